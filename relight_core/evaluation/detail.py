@@ -32,7 +32,7 @@ from relight_core.evaluation.tables import figure_text, markdown_table
 from relight_core.face.parsing import CLASSES, EYES, INDEX
 from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.resampling import resize_area
-from relight_core.pipeline.results.channels import makeup_of
+from relight_core.pipeline.results.channels import materials_of
 
 REGIONS = ("head", "eyes", "hair", "cast shadow", "photo's shadow", "outline, head", "outline, background")
 
@@ -139,8 +139,8 @@ def _score(head: HeldOutHead, source: int, target: int, blurred: bool) -> dict[s
     gloss = np.repeat(channels["specular"][..., None] * exposure, 3, axis=2)
     labels = head.surface()["label"]
     small = (_NETWORK_SIZE,) * 2
-    makeup = makeup_of(resize_area(np.eye(len(CLASSES), dtype=np.float32)[labels], small))
-    task = DetailTask(photo, *(resize_area(image, small) for image in (photo, truth, gloss)), makeup)
+    materials = materials_of(resize_area(np.eye(len(CLASSES), dtype=np.float32)[labels], small))
+    task = DetailTask(photo, *(resize_area(image, small) for image in (photo, truth, gloss)), materials)
     if blurred:
         albedo = resize_area(head.surface()["albedo"] + 2 * behind, small)
         ratio = cv2.GaussianBlur(albedo, (0, 0), _BLUR_PX) / np.maximum(albedo, 1e-3)

@@ -12,7 +12,7 @@ from relight_core.imaging.guided_detail import carry_detail
 from relight_core.imaging.joint_upsampling import JointUpsampler
 from relight_core.imaging.light_change import LARGEST_GAIN
 from relight_core.imaging.resampling import resize_area, resize_smooth
-from relight_core.imaging.view_of_photo import Makeup, ViewOfPhoto
+from relight_core.imaging.view_of_photo import Materials, ViewOfPhoto
 
 _DARK = 1e-3
 _LATTICE = 512
@@ -26,14 +26,14 @@ class DetailTask:
     Attributes:
         photo: (S, S, 3).
         photo_small, relit_small, gloss_small: (s, s, 3).
-        makeup_small: of (s, s).
+        materials_small: of (s, s).
     """
 
     photo: np.ndarray
     photo_small: np.ndarray
     relit_small: np.ndarray
     gloss_small: np.ndarray
-    makeup_small: Makeup
+    materials_small: Materials
 
     def enlarged(self, small: np.ndarray) -> np.ndarray:
         """Bilinearly to the photo's size."""
@@ -77,7 +77,7 @@ def joint_bilateral(task: DetailTask) -> np.ndarray:
 
 def gain_and_gloss(task: DetailTask) -> np.ndarray:
     """Gain and gloss apart, both enlarged along the photo's edges, patterns kept: what the editor does."""
-    change = ViewOfPhoto(task.photo_small, task.makeup_small).change_to(task.relit_small, task.gloss_small)
+    change = ViewOfPhoto(task.photo_small, task.materials_small).change_to(task.relit_small, task.gloss_small)
     gain, offset = _upsampler(task).change(change.gain, change.offset)
     return task.enlarged(gain) * task.photo + task.enlarged(offset)
 
@@ -99,4 +99,4 @@ def _multiplied(task: DetailTask, gain: np.ndarray) -> np.ndarray:
 def _upsampler(task: DetailTask) -> JointUpsampler:
     size, small = task.photo.shape[0], task.photo_small.shape[0]
     lattice = max(min(_LATTICE, size) // small, 1) * small
-    return JointUpsampler(task.photo_small, resize_area(task.photo, (lattice, lattice)), task.makeup_small.skin)
+    return JointUpsampler(task.photo_small, resize_area(task.photo, (lattice, lattice)), task.materials_small.skin)

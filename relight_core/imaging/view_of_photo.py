@@ -21,7 +21,7 @@ as they break all light, so most of the gloss follows the photo's texture: it is
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import cv2
 import numpy as np
@@ -52,8 +52,8 @@ _HOLE = (0.5, 0.25)
 
 
 @dataclass(frozen=True, eq=False)
-class Makeup:
-    """What a view is made up of; (s, s) each, [0, 1].
+class Materials:
+    """Masks of what is seen in a view, by what it does with light; (s, s) each, [0, 1].
 
     Attributes:
         patterned: where contrast comes from colour rather than from shading: eyes, brows, lips, hair, cloth.
@@ -72,7 +72,7 @@ class Makeup:
     worn: np.ndarray
 
     @classmethod
-    def plain(cls, size: int) -> Makeup:
+    def plain(cls, size: int) -> Materials:
         """Smooth and of one colour."""
         return cls(*np.zeros((6, size, size), np.float32))
 
@@ -83,16 +83,16 @@ class ViewOfPhoto:
     Everything is of size (s, s, 3): NumPy multiplies by one channel ten times as slowly.
     """
 
-    def __init__(self, photo: np.ndarray, makeup: Makeup):
+    def __init__(self, photo: np.ndarray, materials: Materials):
         """Look at a view.
 
         Args:
             photo: (s, s, 3) linear, the view as the networks saw it. NaN and infinities are cleaned.
-            makeup: of (s, s).
+            materials: of (s, s).
         """
-        shares = makeup.patterned, makeup.evenly_lit, makeup.textured, makeup.skin, makeup.mouth, makeup.worn
         patterned, even, textured, skin, mouth, worn = (
-            cv2.merge([np.clip(share, 0.0, 1.0).astype(np.float32)] * 3) for share in shares
+            cv2.merge([np.clip(getattr(materials, mask.name), 0.0, 1.0).astype(np.float32)] * 3)
+            for mask in fields(Materials)
         )
         self._photo = photo = within_halves(photo)
         self._mean = _mean(photo)

@@ -80,7 +80,7 @@ class FaceRelighter(FaceInPhoto):
             self._residual(ready, plan)
         self._upsampler(ready)
         if plan.runs("detail"):
-            self._made_up(ready, plan)
+            self._view_of_photo(ready, plan)
         if self.nearer is not None and tier.lights_nearer:
             self.nearer.get_ready(tier, plan)
 
@@ -195,7 +195,7 @@ class FaceRelighter(FaceInPhoto):
         if edges is None:
             return None
         fitted = plan.runs("detail")
-        evened = self._made_up(ready, plan).evened if fitted else np.asarray
+        evened = self._view_of_photo(ready, plan).evened if fitted else np.asarray
         draw = lambda: draw_finely(edges, self._upsampler(ready), evened)  # noqa: E731
         return self.cache.run(
             "fine_edges", (plan.keys["hard_shadow"], fitted), draw, "new light", keep=_MOVED_AND_AT_REST
@@ -232,12 +232,13 @@ class FaceRelighter(FaceInPhoto):
         if plan.runs("residual"):
             image, effects = add_residual(self._residual(ready, plan), lit.composed, effects, lit.light)
         if plan.runs("detail"):
-            return fit_view(self._made_up(ready, plan), lit.reflected, effects, image)
+            return fit_view(self._view_of_photo(ready, plan), lit.reflected, effects, image)
         relit = as_image(image)
         nothing = np.zeros_like(relit)
         return LightChange(nothing, relit, nothing, nothing + 1)
 
-    def _made_up(self, ready: Prepared, plan: Plan) -> ViewOfPhoto:
+    def _view_of_photo(self, ready: Prepared, plan: Plan) -> ViewOfPhoto:
+        # The stage's name is one that programs read (docs/command-line.md, JSON).
         return self._once("makeup", plan.keys["surface"], lambda: view_as_seen(ready.photo_small, ready.surface))
 
     def _upsampler(self, ready: Prepared) -> JointUpsampler:

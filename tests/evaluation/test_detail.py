@@ -12,7 +12,7 @@ from relight_core.evaluation.detail_methods import METHODS, DetailTask
 from relight_core.evaluation.held_out import held_out_lights
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.resampling import resize_area
-from relight_core.imaging.view_of_photo import Makeup
+from relight_core.imaging.view_of_photo import Materials
 
 
 @pytest.mark.parametrize("name", METHODS)
@@ -20,7 +20,7 @@ def test_every_method_finds_a_uniform_change_of_a_smooth_photo(name):
     x = np.linspace(0.2, 0.6, 64, dtype=np.float32)
     photo = np.repeat((x[:, None] * x[None, :])[..., None], 3, axis=2)
     small = resize_area(photo, (32, 32))
-    task = DetailTask(photo, small, 1.5 * small, np.zeros_like(small), Makeup.plain(32))
+    task = DetailTask(photo, small, 1.5 * small, np.zeros_like(small), Materials.plain(32))
     result = METHODS[name](task)
     assert result.shape == photo.shape
     np.testing.assert_allclose(result, 1.5 * photo, atol=0.02)
@@ -53,7 +53,7 @@ def test_gloss_lies_over_the_photos_pattern_and_takes_nothing_of_it(name):
     photo = np.repeat(pattern[..., None], 3, axis=2)
     gloss = np.repeat((0.2 * np.sin(np.pi * x)[:, None] * np.ones((1, 64), np.float32))[..., None], 3, axis=2)
     small, small_gloss = (resize_area(image, (32, 32)) for image in (photo, gloss))
-    task = DetailTask(photo, small, 1.4 * small + small_gloss, small_gloss, Makeup.plain(32))
+    task = DetailTask(photo, small, 1.4 * small + small_gloss, small_gloss, Materials.plain(32))
     np.testing.assert_allclose(METHODS[name](task)[8:-8, 8:-8], (1.4 * photo + gloss)[8:-8, 8:-8], atol=0.04)
 
 

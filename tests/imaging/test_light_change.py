@@ -6,7 +6,7 @@ import pytest
 from relight_core.imaging.joint_upsampling import JointUpsampler
 from relight_core.imaging.light_change import LightChange
 from relight_core.imaging.resampling import resize_area
-from relight_core.imaging.view_of_photo import Makeup, ViewOfPhoto
+from relight_core.imaging.view_of_photo import Materials, ViewOfPhoto
 
 
 def checked_photo(size=64, dark=0.05, bright=0.8):
@@ -22,11 +22,11 @@ NO_GLOSS = np.zeros((16, 16, 3), np.float32)
 
 def made_of(patterned=0.0, evenly_lit=0.0, textured=0.0, skin=0.0, mouth=0.0, worn=0.0, size=16):
     shares = patterned, evenly_lit, textured, skin, mouth, worn
-    return Makeup(*(np.full((size, size), share, np.float32) for share in shares))
+    return Materials(*(np.full((size, size), share, np.float32) for share in shares))
 
 
-def fit_light_change(photo, relit, gloss, makeup):
-    return ViewOfPhoto(photo, makeup).change_to(relit, gloss)
+def fit_light_change(photo, relit, gloss, materials):
+    return ViewOfPhoto(photo, materials).change_to(relit, gloss)
 
 
 def test_a_constant_change_is_found_and_keeps_every_texture():
@@ -162,7 +162,7 @@ def beside_lit_skin(dark, lit, skin_there=1.0):
     photo, relit, skin = np.empty((16, 16, 3), np.float32), np.full((16, 16, 3), 0.5, np.float32), np.ones((16, 16))
     photo[:, :8], photo[:, 8:] = dark, lit
     skin[:, 8:] = skin_there
-    made = Makeup(np.zeros((16, 16)), np.zeros((16, 16)), np.ones((16, 16)), skin, *np.zeros((2, 16, 16)))
+    made = Materials(np.zeros((16, 16)), np.zeros((16, 16)), np.ones((16, 16)), skin, *np.zeros((2, 16, 16)))
     return fit_light_change(photo, relit, NO_GLOSS, made).apply(photo)[8, 3]
 
 

@@ -15,7 +15,7 @@ from relight_core.pipeline.results.channels import (
     effect_channels,
     fit_view,
     light_channels,
-    makeup_of,
+    materials_of,
     of_person,
     surface_channel,
 )
@@ -173,8 +173,10 @@ def test_effects_are_shown_at_the_light_s_level_as_far_as_they_are_asked_for():
 def test_what_each_part_of_a_person_does_with_light(labels, is_made_up_of):
     kinds = {"patterned", "evenly_lit", "textured", "skin", "mouth", "worn"}
     for label in labels:
-        makeup = makeup_of(np.eye(14, dtype=np.float32)[None, label : label + 1])
-        assert {name: getattr(makeup, name).item() for name in kinds} == {n: float(n in is_made_up_of) for n in kinds}
+        materials = materials_of(np.eye(14, dtype=np.float32)[None, label : label + 1])
+        assert {name: getattr(materials, name).item() for name in kinds} == {
+            n: float(n in is_made_up_of) for n in kinds
+        }
 
 
 @pytest.mark.parametrize(("more", "expected"), [(0.2, 0.5), (-0.2, 0.1), (-0.7, 0.0)])

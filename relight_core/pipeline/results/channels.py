@@ -18,7 +18,7 @@ from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_images import as_image, enlarge, resized
 from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.imaging.tone import Tone
-from relight_core.imaging.view_of_photo import Makeup, ViewOfPhoto
+from relight_core.imaging.view_of_photo import Materials, ViewOfPhoto
 from relight_core.pipeline.edit import LIGHT_CHANNELS, SURFACE_CHANNELS
 from relight_core.pipeline.per_light.fine_edges import FineEdges
 from relight_core.pipeline.per_light.hints import Effects, as_channels
@@ -105,8 +105,8 @@ def upsampler_for(photo_view: np.ndarray, photo_small: np.ndarray, surface: Surf
 
 
 def view_as_seen(photo_small: np.ndarray, surface: Surface) -> ViewOfPhoto:
-    """A photo's view at the networks' size (s, s, 3), linear, with what it is made up of."""
-    return ViewOfPhoto(photo_small, makeup_of(as_image(surface.parsing)))
+    """A photo's view at the networks' size (s, s, 3), linear, with the materials in it."""
+    return ViewOfPhoto(photo_small, materials_of(as_image(surface.parsing)))
 
 
 def fit_view(view: ViewOfPhoto, reflected: torch.Tensor, effects: Effects, relit: torch.Tensor) -> LightChange:
@@ -115,11 +115,11 @@ def fit_view(view: ViewOfPhoto, reflected: torch.Tensor, effects: Effects, relit
     return view.change_to(as_image(relit), as_image(gloss))
 
 
-def makeup_of(parsing: np.ndarray) -> Makeup:
-    """What a view of parsing probabilities (s, s, classes) is made up of."""
+def materials_of(parsing: np.ndarray) -> Materials:
+    """The masks of a view of parsing probabilities (s, s, classes)."""
     kinds = _PATTERNED, _SMOOTH, _SKIN, _EYES, _MOUTH, _WORN
     patterned, smooth, skin, eyes, mouth, worn = (parsing[..., labels].sum(-1) for labels in kinds)
-    return Makeup(patterned, eyes + mouth, 1 - smooth, skin, mouth, worn)
+    return Materials(patterned, eyes + mouth, 1 - smooth, skin, mouth, worn)
 
 
 def enlarge_change(
