@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from relight_core.face.parsing import SURELY
 from relight_core.imaging.guided_detail import carry_detail
 from relight_core.imaging.joint_upsampling import JointUpsampler
 from relight_core.imaging.light_change import LARGEST_GAIN
@@ -77,7 +78,8 @@ def joint_bilateral(task: DetailTask) -> np.ndarray:
 
 def gain_and_gloss(task: DetailTask) -> np.ndarray:
     """Gain and gloss apart, both enlarged along the photo's edges, patterns kept: what the editor does."""
-    change = ViewOfPhoto(task.photo_small, task.materials_small).change_to(task.relit_small, task.gloss_small)
+    view = ViewOfPhoto(task.photo_small, task.materials_small, SURELY)
+    change = view.change_to(task.relit_small, task.gloss_small)
     gain, offset = _upsampler(task).change(change.gain, change.offset)
     return task.enlarged(gain) * task.photo + task.enlarged(offset)
 

@@ -41,8 +41,8 @@ _WARM = (0.2, 0.4)
 """What red has before blue, of the sum of the three, where something dark counts as skin, in part and altogether."""
 _OF_OWN, _OF_GREY = (0.3, 0.6), -0.02
 """The shares of what a face's own lit skin has that are enough, too, and where counting begins if it has none."""
-_SURELY_SKIN, _LIT_PX = 0.6, (30, 60)
-"""The probability of skin, and how many such pixels in the light may tell, and surely tell, what it has."""
+_LIT_PX = (30, 60)
+"""How many pixels of skin in the light may tell, and surely tell, how warm it is."""
 _NOT_BLACK = (0.0015, 0.005)
 """The luminance from which on what is worn shows something of itself, little and enough; 5 and 16 of 255 in a file."""
 _HOLE_SHARE = 0.07
@@ -83,12 +83,13 @@ class ViewOfPhoto:
     Everything is of size (s, s, 3): NumPy multiplies by one channel ten times as slowly.
     """
 
-    def __init__(self, photo: np.ndarray, materials: Materials):
+    def __init__(self, photo: np.ndarray, materials: Materials, surely_skin: float):
         """Look at a view.
 
         Args:
             photo: (s, s, 3) linear, the view as the networks saw it. NaN and infinities are cleaned.
             materials: of (s, s).
+            surely_skin: the share of skin above which a pixel may tell what the face's skin looks like.
         """
         patterned, even, textured, skin, mouth, worn = (
             cv2.merge([np.clip(getattr(materials, mask.name), 0.0, 1.0).astype(np.float32)] * 3)
@@ -101,7 +102,7 @@ class ViewOfPhoto:
         self._patterned, self._even, self._uneven = patterned, even, 1 - even
         self._evened = np.maximum(_smooth((photo + _DARK) * even), 1e-9)
         self._plain = (1 - patterned) * (1 - even) * textured
-        self._in_shadow = self._plain * skin * _like_skin(self._mean, skin)
+        self._in_shadow = self._plain * skin * _like_skin(self._mean, skin, surely_skin)
         shown = worn * ramp(luminance(self._mean), *_NOT_BLACK)[..., None]
         self._laid_over = (self._in_shadow + mouth + shown) * (photo + _DARK)
         carried = np.maximum(_TEXTURED * textured, even) * np.minimum(photo / _PALE, 1.0)
@@ -176,14 +177,14 @@ def _as_lifted(photo: np.ndarray, mean: np.ndarray, patterned: np.ndarray) -> np
     return seen + hole * (1 - patterned) * (around - seen).clip(0)
 
 
-def _like_skin(photo: np.ndarray, skin: np.ndarray) -> np.ndarray:
+def _like_skin(photo: np.ndarray, skin: np.ndarray, surely_skin: float) -> np.ndarray:
     """How surely a dark place (s, s, 3), parsed as skin, is skin in a shadow: (s, s, 1) in [0, 1].
 
     It is warm there, mostly more than in the light; where a face shows little warmth in the light, less will do. What
     is black and not warm was parsed as skin by mistake, a beard's edge or a collar, and would be a haze.
     """
     warmth = (photo[..., :1] - photo[..., 2:]) / (photo.sum(axis=-1, keepdims=True) + _DARK)
-    lit = warmth[(skin[..., :1] > _SURELY_SKIN) & (luminance(photo)[..., None] > _PALE)]
+    lit = warmth[(skin[..., :1] > surely_skin) & (luminance(photo)[..., None] > _PALE)]
     own, told = max(float(np.median(lit)), 0.0) if len(lit) else 0.0, ramp(float(len(lit)), *_LIT_PX)
     start, full = (
         limit + told * (min(share * own, limit) - limit) for limit, share in zip(_WARM, _OF_OWN, strict=True)

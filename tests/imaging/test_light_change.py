@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from relight_core.face.parsing import SURELY
 from relight_core.imaging.joint_upsampling import JointUpsampler
 from relight_core.imaging.light_change import LightChange
 from relight_core.imaging.resampling import resize_area
@@ -26,7 +27,7 @@ def made_of(patterned=0.0, evenly_lit=0.0, textured=0.0, skin=0.0, mouth=0.0, wo
 
 
 def fit_light_change(photo, relit, gloss, materials):
-    return ViewOfPhoto(photo, materials).change_to(relit, gloss)
+    return ViewOfPhoto(photo, materials, SURELY).change_to(relit, gloss)
 
 
 def test_a_constant_change_is_found_and_keeps_every_texture():
@@ -239,8 +240,10 @@ def test_what_is_nearly_black_comes_out_as_the_networks_lit_it():
 def test_edges_of_shadows_are_as_even_over_teeth_as_their_light_and_stay_on_skin():
     photo = np.full((16, 16, 3), 0.5, np.float32)
     share = np.float32(np.indices((16, 16)).sum(0) % 2)
-    np.testing.assert_allclose(ViewOfPhoto(photo, made_of()).evened(share), share, atol=1e-6)
-    np.testing.assert_allclose(ViewOfPhoto(photo, made_of(evenly_lit=1)).evened(share)[4:12, 4:12], 0.5, atol=0.02)
+    np.testing.assert_allclose(ViewOfPhoto(photo, made_of(), SURELY).evened(share), share, atol=1e-6)
+    np.testing.assert_allclose(
+        ViewOfPhoto(photo, made_of(evenly_lit=1), SURELY).evened(share)[4:12, 4:12], 0.5, atol=0.02
+    )
 
 
 def test_lifted_light_never_takes_shine_away():

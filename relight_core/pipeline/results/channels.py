@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import torch
 
-from relight_core.face.parsing import BROWS, EYES, INDEX, MOUTH, SKIN, skin_share
+from relight_core.face.parsing import BROWS, EYES, INDEX, MOUTH, SKIN, SURELY, skin_share
 from relight_core.imaging.colour import without_colour
 from relight_core.imaging.guided_detail import carry_detail
 from relight_core.imaging.joint_upsampling import JointUpsampler
@@ -106,7 +106,7 @@ def upsampler_for(photo_view: np.ndarray, photo_small: np.ndarray, surface: Surf
 
 def view_as_seen(photo_small: np.ndarray, surface: Surface) -> ViewOfPhoto:
     """A photo's view at the networks' size (s, s, 3), linear, with the materials in it."""
-    return ViewOfPhoto(photo_small, materials_of(as_image(surface.parsing)))
+    return ViewOfPhoto(photo_small, materials_of(as_image(surface.parsing)), SURELY)
 
 
 def fit_view(view: ViewOfPhoto, reflected: torch.Tensor, effects: Effects, relit: torch.Tensor) -> LightChange:
