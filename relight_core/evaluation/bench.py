@@ -27,14 +27,14 @@ from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
-from relight_core.pipeline.model import light_surface
+from relight_core.pipeline.model import ReadySurface, light_surface
 from relight_core.pipeline.per_light.fine_edges import draw_finely
-from relight_core.pipeline.per_light.hard_shadow import LampsView, ready_for_lamps
-from relight_core.pipeline.per_light.hints import Effects
+from relight_core.pipeline.per_light.hard_shadow import ready_for_lamps
 from relight_core.pipeline.per_light.residual import Residual, add_residual, find_residual
 from relight_core.pipeline.per_photo.albedo import flatten_albedo
 from relight_core.pipeline.per_photo.second_look import take_apart
 from relight_core.pipeline.per_photo.source_light import explain_source_light
+from relight_core.pipeline.prepared import Lit
 from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.results.channels import (
     effect_channels,
@@ -73,7 +73,7 @@ class TakenApart:
     """What was seen, made ready for any light."""
 
     seen: Seen
-    lamps_view: LampsView
+    surface: ReadySurface
     residual: Residual
 
     @cached_property
@@ -123,32 +123,25 @@ class Editor:
     def ready(self, seen: Seen) -> TakenApart:
         """What is left to do before any light can be asked for."""
         surface, light = seen.surface, seen.light
-        compose = lambda own: self.light(surface, seen.reflector, seen.relief, own)[2]  # noqa: E731
-        residual = find_residual(surface, surface.photo, light, compose)
+        ready = ReadySurface(surface, seen.reflector, seen.relief)
+        residual = find_residual(surface, surface.photo, light, lambda own: self.light(ready, own).composed)
         lamps_view = ready_for_lamps(surface, seen.relief, partial(stages.reflect, seen.reflector))
-        return TakenApart(seen, lamps_view, residual)
+        return TakenApart(seen, replace(ready, lamps_view=lamps_view), residual)
 
-    def light(
-        self,
-        surface: stages.Surface,
-        reflector: stages.Reflector,
-        relief: ReliefTransport,
-        light: torch.Tensor,
-        lamps_view: LampsView | None = None,
-        lamps: Sequence[Lamp] = (),
-    ) -> tuple[torch.Tensor, Effects, stages.Composed]:
-        """Irradiance and gloss, effects and image at the networks' size; arguments as of `light_surface`."""
+    def light(self, surface: ReadySurface, light: torch.Tensor, lamps: Sequence[Lamp] = ()) -> Lit:
+        """`light_surface` by the networks that the tier runs."""
         networks = stages.pair_of(self.bundle, self.tier, self.device)
-        how = {"by_network": self.tier.shadow_network, "corrected": self.tier.correction}
-        return light_surface(networks, reflector, surface, relief, light, lamps_view=lamps_view, lamps=lamps, **how)
+        occluding = networks if self.tier.shadow_network else None
+        composing = networks if self.tier.correction else None
+        return light_surface(surface, light, occluding, composing, lamps)
 
     def relight(self, found: TakenApart, target: HeldOutLight) -> dict[str, np.ndarray]:
         """The channels "specular", "shadow" and "composition" at the photo's size."""
         light, seen = torch.from_numpy(target.radiance)[None].to(self.device), found.seen
-        of_seen = seen.surface, seen.reflector, seen.relief
-        reflected, effects, composed = self.light(*of_seen, light, found.lamps_view, target.small_lamps)
-        image, shown = add_residual(found.residual, composed, effects, light)
-        fit = fit_view(found.view, reflected, shown, image)
+        lit = self.light(found.surface, light, target.small_lamps)
+        effects = lit.effects
+        image, shown = add_residual(found.residual, lit.composed, effects, light)
+        fit = fit_view(found.view, lit.reflected, shown, image)
         upsample = upsampler_for(seen.photo, seen.small, seen.surface)
         fine = None if effects.edges is None else draw_finely(effects.edges, upsample, found.view.evened)
         change = enlarge_change(fit, None, upsample, 1.0, None if fine is None else fine.gain(1.0, 0.0))
@@ -171,9 +164,9 @@ class Bench:
         self._editor, self._head, self._lights, self._photos = editor, head, lights, photos
         self._truth, self._covered = head.surface(), head.lit.head.covered
         self._found: dict[int, TakenApart] = {}
-        self._perfect = true_surface(head, lights[0], editor.tier.network_size, editor.device)
-        self._perfect_relief = stages.march(self._perfect, editor.tier.relief_size)
-        self._perfect_reflector = stages.reflector(editor.table, self._perfect)
+        perfect = true_surface(head, lights[0], editor.tier.network_size, editor.device)
+        relief, reflector = stages.march(perfect, editor.tier.relief_size), stages.reflector(editor.table, perfect)
+        self._perfect = ReadySurface(perfect, reflector, relief)
 
     def score(self, case: Case) -> dict[str, Figures]:
         """Figures of one relighting, by group (see `Evaluation.figures`)."""
@@ -197,12 +190,11 @@ class Bench:
     def _score_from_truth(self, radiance: np.ndarray, truth: dict[str, np.ndarray], exposure: float) -> Figures:
         """SS and composition alone, from the true surface, at the networks' size."""
         light = torch.from_numpy(radiance)[None].to(self._editor.device)
-        perfect = self._perfect, self._perfect_reflector, self._perfect_relief
-        _, effects, composed = self._editor.light(*perfect, light)
-        image = as_image(composed.image)
+        lit = self._editor.light(self._perfect, light)
+        image = as_image(lit.composed.image)
         small = {name: self._shrunk(truth[name]) for name in ("image", "specular", "shadow")}
         covered = self._shrunk(self._covered.astype(np.float32)) > _WHOLE_PIXEL
-        estimated = {"specular": as_image(effects.specular), "shadow": as_image(effects.shadow)}
+        estimated = {"specular": as_image(lit.effects.specular), "shadow": as_image(lit.effects.shadow)}
         return score_effects(estimated, small, covered) | score_relit(image, small["image"], exposure, covered, covered)
 
     def _shrunk(self, image: np.ndarray) -> np.ndarray:

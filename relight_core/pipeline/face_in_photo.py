@@ -14,7 +14,7 @@ from relight_core.lighting.roll import roll_light
 from relight_core.pipeline import stages
 from relight_core.pipeline.company import Company
 from relight_core.pipeline.face_taken_apart import FaceTakenApart
-from relight_core.pipeline.model import light_surface
+from relight_core.pipeline.model import ReadySurface, light_surface
 from relight_core.pipeline.per_light.residual import Residual, at_light_level, find_residual
 from relight_core.pipeline.per_photo.albedo import flatten_albedo
 from relight_core.pipeline.per_photo.foreign_shadow import without_shadow
@@ -133,9 +133,11 @@ class FaceInPhoto(FaceTakenApart):
     def _residual_alone(self, ready: Prepared, plan: Plan) -> Residual:
         def compose(light: torch.Tensor) -> stages.Composed:
             relief = self._relief(ready) if plan.runs("relief") else None
-            how = {"by_network": plan.shadow_network, "corrected": plan.runs("correction")}
             networks = self._shop.pair(ready.tier)
-            return light_surface(networks, self._reflector(ready), ready.surface, relief, light, **how)[2]
+            occluding = networks if plan.shadow_network else None
+            composing = networks if plan.runs("correction") else None
+            surface = ReadySurface(ready.surface, self._reflector(ready), relief)
+            return light_surface(surface, light, occluding, composing).composed
 
         source = self._source_light(ready)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import torch
 
@@ -11,31 +12,42 @@ from relight_core.lighting.relief import ReliefTransport
 from relight_core.networks.pair import BothNetworks
 from relight_core.pipeline import stages
 from relight_core.pipeline.per_light.hard_shadow import LampsView, harden_shadow
-from relight_core.pipeline.per_light.hints import Effects
+from relight_core.pipeline.prepared import Lit
+
+
+@dataclass(frozen=True, eq=False)
+class ReadySurface:
+    """A surface with what is found of it once, for any light.
+
+    Attributes:
+        reflector: of the surface.
+        relief: transport of its relief; None leaves out the shadow that the relief casts.
+        lamps_view: of the surface and the relief; None leaves the shadows of small lamps without edges.
+    """
+
+    surface: stages.Surface
+    reflector: stages.Reflector
+    relief: ReliefTransport | None
+    lamps_view: LampsView | None = None
 
 
 def light_surface(
-    networks: BothNetworks,
-    reflector: stages.Reflector,
-    surface: stages.Surface,
-    relief: ReliefTransport | None,
+    ready: ReadySurface,
     light: torch.Tensor,
-    *,
-    by_network: bool,
-    corrected: bool,
-    lamps_view: LampsView | None = None,
+    occluding: BothNetworks | None,
+    composing: BothNetworks | None,
     lamps: Sequence[Lamp] = (),
-) -> tuple[torch.Tensor, Effects, stages.Composed]:
-    """Irradiance and gloss, effects and image at the networks' size of a normalised light (1, 16, 32, 3).
+) -> Lit:
+    """Irradiance and gloss, effects and image at the networks' size, of a normalised light (1, 16, 32, 3).
 
     Args:
-        reflector: of the surface.
-        by_network, corrected: whether the networks have a say in the effects, and in the image.
-        lamps_view: of the surface and the relief, and
-        lamps: the light's small ones, whose shadows get edges; both or neither.
+        occluding: of which SS says what is hidden from the light; None lets the relief alone say it.
+        composing: of which composition corrects the explicit sum; None leaves that.
+        lamps: the light's small ones, whose shadows get edges; only read where there is a `lamps_view`.
     """
-    reflected = stages.reflect(reflector, light)
-    effects = stages.estimate_effects(networks if by_network else None, surface, reflected, relief, light)
-    if lamps_view is not None:
-        effects = harden_shadow(effects, surface, reflected, light, lamps_view, lamps)
-    return reflected, effects, stages.compose(networks if corrected else None, surface, reflected, effects, light)
+    surface = ready.surface
+    reflected = stages.reflect(ready.reflector, light)
+    effects = stages.estimate_effects(occluding, surface, reflected, ready.relief, light)
+    if ready.lamps_view is not None:
+        effects = harden_shadow(effects, surface, reflected, light, ready.lamps_view, lamps)
+    return Lit(light, reflected, effects, stages.compose(composing, surface, reflected, effects, light))
