@@ -31,6 +31,7 @@ from relight_core.pipeline.results.channels import ViewChange
 from relight_core.pipeline.results.channels_together import Channels, channels_together
 from relight_core.pipeline.results.display import LARGEST_SIDE, DisplayRecipe, fits_a_recipe, person_layers, recipe_of
 from relight_core.pipeline.results.finish import (
+    PhotoProperties,
     Placement,
     ViewWeights,
     less_where_unseen,
@@ -120,7 +121,7 @@ class WholePhoto:
         else:
             backdrop = self._backdrop(plan, environment, edit, placement, rest)
         eyes = self._eyes(catchlights, placed_changes, plan, edit, environment.level)
-        of_photo = {"exposure": placement.exposure, "catchlights": eyes}
+        of_photo = {"exposure": placement.photo.exposure, "catchlights": eyes}
         return Picture(self._canvas, matte, placed_changes, rest, backdrop, **of_photo)
 
     def shown(
@@ -181,8 +182,8 @@ class WholePhoto:
         def place() -> Placement:
             views, masks = zip(*((face.portrait.view, face.mask()) for face in self._faces), strict=True)
             exposure = self._faces[0].portrait.exposure
-            of_photo = (exposure, self._photo.tone_at(exposure), self._photo.picture)
-            return place_views(self._small(), views, self._matte(), self._shop.table, masks, self._strokes, *of_photo)
+            photo = PhotoProperties(exposure, self._photo.tone_at(exposure), self._photo.picture)
+            return place_views(self._small(), views, self._matte(), self._shop.table, masks, self._strokes, photo)
 
         return self._cache.of_photo("placement", "photo", place, "new photo or stroke")
 
@@ -240,7 +241,11 @@ class WholePhoto:
             "background",
             plan.keys["background"],
             lambda: make_backdrop(
-                edit.background, panorama, lambda: mean_gain(placement, rest), placement.exposure, self._canvas.black
+                edit.background,
+                panorama,
+                lambda: mean_gain(placement, rest),
+                placement.photo.exposure,
+                self._canvas.black,
             ),
             "new light, slider or background",
         )

@@ -18,7 +18,7 @@ from relight_core.pipeline.per_photo.matte import Matte, draft_matte, finish_mat
 from relight_core.pipeline.per_photo.network_view import network_view
 from relight_core.pipeline.per_photo.person import canvas_of, whole_person
 from relight_core.pipeline.per_photo.portrait import frame
-from relight_core.pipeline.results.finish import place_views, weights_on_views
+from relight_core.pipeline.results.finish import PhotoProperties, place_views, weights_on_views
 
 
 def half_figure(behind):
@@ -276,11 +276,14 @@ def test_the_matte_of_a_framed_photo_is_that_of_the_photo():
     assert share[:22].max() == share[-22:].max() == share[:, :22].max() == share[:, -22:].max() == 0
 
 
+IN_FRAME = PhotoProperties(picture=(24, 24, 184, 224))
+
+
 def weights_in_frame(view: Crop) -> np.ndarray:
     """(50, 50) how much a view of a framed photo counts, whose picture is from 24, 24 to 184, 224."""
     photo, everywhere = Photo(framed(street(), 24, 1.0)), np.ones((248, 208), np.float32)
     matte = Matte(np.zeros_like(everywhere), everywhere, np.zeros((2, 2, 3)), np.zeros((2, 2, 3)), everywhere)
-    placement = place_views(canvas_of(photo), [view], matte, ReflectionTable(), picture=(24, 24, 184, 224))
+    placement = place_views(canvas_of(photo), [view], matte, ReflectionTable(), photo=IN_FRAME)
     return weights_on_views(placement, 50)[0].of_views[0][..., 0]
 
 

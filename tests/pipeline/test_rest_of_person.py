@@ -19,7 +19,7 @@ from relight_core.pipeline.per_light.rest_of_person import (
 from relight_core.pipeline.per_photo.matte import Matte
 from relight_core.pipeline.per_photo.person import Canvas
 from relight_core.pipeline.results.channels import ViewChange
-from relight_core.pipeline.results.finish import gain_of_rest, mean_gain, place_views
+from relight_core.pipeline.results.finish import PhotoProperties, gain_of_rest, mean_gain, place_views
 
 EVEN = torch.ones(1, 16, 32, 3)
 
@@ -287,7 +287,7 @@ def test_a_gain_that_is_the_same_everywhere_is_carried_on_to_whatever_is_bright(
 def test_by_how_much_a_person_changes_is_a_mean_of_factors_over_the_person_alone(exposure):
     share, gain = np.zeros((8, 8), np.float32), np.full((8, 8, 3), 100.0, np.float32)
     share[:, :4], gain[:, :2], gain[:, 2:4] = 1, 4.0, 1.0
-    placement = SimpleNamespace(body=SimpleNamespace(share=share), exposure=exposure)
+    placement = SimpleNamespace(body=SimpleNamespace(share=share), photo=PhotoProperties(exposure))
     np.testing.assert_allclose(mean_gain(placement, exposure * gain), 2 * exposure, rtol=1e-3)
 
 
@@ -299,9 +299,8 @@ def rest_of_person(exposure=1.0, level=1.0, tone=None):
     )
     linear[60:] *= 0.3
     matte = Matte(0 * whole, whole, linear[:1, :1], linear[:1, :1], whole)
-    placement = place_views(
-        Canvas(linear, None, (90, 60)), [Crop(30.0, 25.0, 50.0)], matte, ReflectionTable(), exposure=exposure, tone=tone
-    )
+    canvas, view, photo = Canvas(linear, None, (90, 60)), Crop(30.0, 25.0, 50.0), PhotoProperties(exposure, tone)
+    placement = place_views(canvas, [view], matte, ReflectionTable(), photo=photo)
     maps = (np.full((16, 16, 3), value * level, np.float32) for value in (0.5 * exposure, 0.05))
     return gain_of_rest(placement, [ViewChange(*maps, level)], EVEN)
 

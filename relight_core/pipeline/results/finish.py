@@ -32,6 +32,26 @@ _OUTLINE_SHARE, _UNSEEN_BLUR_SHARE = 0.02, 0.01
 _UNSEEN_FROM, _UNSEEN_TO = 0.3, 0.7
 
 
+@dataclass(frozen=True)
+class PhotoProperties:
+    """What is known of a whole photo before any of its faces is relit.
+
+    Attributes:
+        exposure: of the portrait; of the photo times this, skin and cloth are as bright as their colours.
+        tone: of the photo times the exposure, where it is toned; None for a photo in colours or without any.
+        picture: x0, y0, x1, y1 of what of the photo no frame covers, in its pixels, toward whose borders views hardly
+            fade; None is all of it.
+    """
+
+    exposure: float = 1.0
+    tone: Tone | None = None
+    picture: tuple[float, float, float, float] | None = None
+
+    def picture_in(self, photo_size: tuple[int, int]) -> tuple[float, float, float, float]:
+        """The window of the picture in a photo of (height, width), also where no frame is around it."""
+        return whole_photo(photo_size) if self.picture is None else self.picture
+
+
 @dataclass(frozen=True, eq=False)
 class Placement:
     """Where every face's view counts, and the body around them; once per photo.
@@ -41,12 +61,10 @@ class Placement:
         people: who is who, for each view a mask (S, S) in [0, 1] and where it lies; none where that isn't known.
         small: (h, w, 1) for each, how much it counts over the whole photo, at the size of the body's photo; they sum
             to at most 1.
-        body: what no view covers.
+        body: what no view covers; its photo is the photo times the exposure.
         photo_size: (height, width).
+        photo: what is known of the photo.
         unseen: (k, l) over the whole photo, in [0, 1]: people that no network takes for them; None for nobody.
-        exposure: the body's photo is the photo times this.
-        tone: of the body's photo, where it is toned.
-        picture: x0, y0, x1, y1 of what of the photo no frame covers, toward whose borders views hardly fade.
     """
 
     views: tuple[Crop, ...]
@@ -54,48 +72,44 @@ class Placement:
     small: tuple[np.ndarray, ...]
     body: Body
     photo_size: tuple[int, int]
-    picture: tuple[float, float, float, float]
+    photo: PhotoProperties
     unseen: np.ndarray | None = None
-    exposure: float = 1.0
-    tone: Tone | None = None
 
 
 def place_views(
-    photo: Canvas,
+    canvas: Canvas,
     views: Sequence[Crop],
     matte: Matte,
     table: ReflectionTable,
     people: Sequence[tuple[np.ndarray, Crop]] = (),
     strokes: Sequence[BrushStroke] = (),
-    exposure: float = 1.0,
-    tone: Tone | None = None,
-    picture: tuple[float, float, float, float] | None = None,
+    photo: PhotoProperties = PhotoProperties(),
 ) -> Placement:
-    """Share the photo out among the views of its faces.
+    """Decide how much each face's view counts at each place of the photo, and guess the body beyond the views.
 
-    What a brush has added and the networks took for something behind has no shape that they know of. There no view
-    counts, and it is lit as the rest of the person is.
+    Where the brush added a part of a person that the networks took for background, they know no shape of it: no view
+    counts there, and it is lit as the rest of the person is.
 
     Args:
-        photo: all of it, at any size.
+        canvas: all of the photo, at any size.
+        table: what open surfaces reflect, for the body.
         people: as `Placement` has them.
         strokes: of the brush, in the matte already.
-        exposure: of the portrait.
-        tone, picture: as `Placement` has them; no picture is all of the photo.
+        photo: what is known of it.
     """
-    photo_size = photo.photo_size
+    photo_size = canvas.photo_size
     places = places_of(shrunk_size(photo_size, _WEIGHT_LONGEST), photo_size)
     unseen = _unseen(strokes, people, places, photo_size)
-    picture = whole_photo(photo_size) if picture is None else picture
+    picture = photo.picture_in(photo_size)
     weights = _weights_at(views, people, _unseen_at(unseen, places, photo_size), places, picture)
-    canvas = shrunk(photo, max(body_size(photo_size)))
-    known = resize_area(np.minimum(sum(weights), 1), canvas.size)
-    share = whole_person(canvas, matte).share
-    seen = np.where(share[..., None] > 0, canvas.linear, 0) if matte.own_alpha else canvas.linear
-    cells = None if matte.inside is None else shrunk_inside(matte.inside, photo.size, share.shape)
-    body = make_body(seen * np.float32(exposure), share, known, table, cells)
-    small = tuple(resize_area(weight, body.photo.shape[:2])[..., None] for weight in weights)
-    return Placement(tuple(views), tuple(people), small, body, photo_size, picture, unseen, exposure, tone)
+    small = shrunk(canvas, max(body_size(photo_size)))
+    known = resize_area(np.minimum(sum(weights), 1), small.size)
+    share = whole_person(small, matte).share
+    seen = np.where(share[..., None] > 0, small.linear, 0) if matte.own_alpha else small.linear
+    cells = None if matte.inside is None else shrunk_inside(matte.inside, canvas.size, share.shape)
+    body = make_body(seen * np.float32(photo.exposure), share, known, table, cells)
+    of_views = tuple(resize_area(weight, body.photo.shape[:2])[..., None] for weight in weights)
+    return Placement(tuple(views), tuple(people), of_views, body, photo_size, photo, unseen)
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +171,7 @@ def gain_of_rest(
         light: (1, 16, 32, 3) normalised.
         in_photo: the body's shading in the photo, see `body_gain`.
     """
-    body, exposure, level = placement.body, np.float32(placement.exposure), max(changes[0].level, 1e-30)
+    body, exposure, level = placement.body, np.float32(placement.photo.exposure), max(changes[0].level, 1e-30)
     size = body.photo.shape[:2]
     if changes[0].level == 0:
         return np.zeros((*body.share.shape, 3), np.float32)
@@ -167,12 +181,12 @@ def gain_of_rest(
         relit += share * (gain / exposure * body.photo + offset)
         total += share
     relit = relit / np.maximum(total, 1e-6) / np.float32(level)
-    if placement.tone is None:
+    if placement.photo.tone is None:
         return at_level(exposure * body_gain(body, light, relit, in_photo), level)
     relit = body.photo * (luminance(relit) / np.maximum(luminance(body.photo), 1e-6))[..., None]
     gain = body_gain(body, light, relit, in_photo)
     before = luminance(resize_smooth(body.photo, gain.shape[:2]))
-    turned = placement.tone.turned(before, before * luminance(gain) * np.float32(level))
+    turned = placement.photo.tone.turned(before, before * luminance(gain) * np.float32(level))
     return at_level(exposure * gain * turned, level)
 
 
@@ -206,7 +220,7 @@ def place_catchlights(
 
 def mean_gain(placement: Placement, rest: np.ndarray) -> np.ndarray:
     """(3,) by how much the person changes, as a geometric mean."""
-    weight, exposure = placement.body.share[..., None] + 1e-6, np.float32(placement.exposure)
+    weight, exposure = placement.body.share[..., None] + 1e-6, np.float32(placement.photo.exposure)
     return exposure * np.exp((np.log(rest / exposure + 1e-6) * weight).sum((0, 1)) / weight.sum((0, 1)))
 
 
@@ -220,7 +234,7 @@ def _weights_on(placement: Placement, view: Crop, places: np.ndarray, unseen: np
     near = _near(placement, view)
     views = [placement.views[index] for index in near]
     people = [placement.people[index] for index in near] if placement.people else []
-    weights = _weights_at(views, people, unseen, places, placement.picture)
+    weights = _weights_at(views, people, unseen, places, placement.photo.picture_in(placement.photo_size))
     of_rest = 1 - np.minimum(sum(weight[..., None] for weight in weights), 1)
     of_views = {index: weight[..., None] for index, weight in zip(near, weights, strict=True) if weight.any()}
     return ViewWeights(
