@@ -37,15 +37,17 @@ NOTHING = -1e3
 class ReliefTransport:
     """Response of every point of a relief to every texel of a light, before albedo.
 
+    As in precomputed radiance transfer (Sloan, Kautz and Snyder 2002), with and without the relief's own shadows.
+
     Attributes:
-        open: (S * S, texels) cos(n, l) times solid angle over pi, no occlusion.
-        closed: the same times visibility.
+        unshadowed: (S * S, texels) cos(n, l) times solid angle over pi; 0 beside the surface.
+        shadowed: the same times the visibility of the texel, [0, 1].
         size: S.
         normal: (S * S, 3) unit vectors, which `gloss_fraction` alone reads; None where that is not asked for.
     """
 
-    open: torch.Tensor
-    closed: torch.Tensor
+    unshadowed: torch.Tensor
+    shadowed: torch.Tensor
     size: int
     normal: torch.Tensor | None = None
 
@@ -76,9 +78,9 @@ class ReliefTransport:
         light = light.float()
         grey = light @ luminance_weights(light)
         points, both = at_surface
-        opened, closed = (grey.flatten(1) @ both).chunk(2, dim=1)
-        lost = (1 - closed / opened.clamp_min(1e-6)).clamp(0, 1) * (opened / least).clamp_max(1)
-        fraction = lost.new_zeros(len(lost), len(self.open))
+        unshadowed, shadowed = (grey.flatten(1) @ both).chunk(2, dim=1)
+        lost = (1 - shadowed / unshadowed.clamp_min(1e-6)).clamp(0, 1) * (unshadowed / least).clamp_max(1)
+        fraction = lost.new_zeros(len(lost), len(self.unshadowed))
         fraction[:, points] = lost
         return fraction.reshape(-1, 1, self.size, self.size)
 
@@ -89,30 +91,30 @@ class ReliefTransport:
             grey: (B, H, 2H) radiance of the texels the transport was made for.
         """
         points, both = self._at_surface
-        field = torch.zeros(len(grey), 2, len(self.open))
+        field = torch.zeros(len(grey), 2, len(self.unshadowed))
         for answer, light in zip(field, grey.float().flatten(1), strict=True):
             answer[:, points] = response_to(light[None], both)[0].unflatten(0, (2, -1))
         # Enlarged before they are divided: else what faces away would leak into the edge of what does not.
         field = field.unflatten(2, (self.size, self.size))
-        opened, closed = F.interpolate(field, size=size, mode="bilinear", align_corners=False).chunk(2, 1)
-        return torch.where(opened > 1e-6, closed / opened.clamp_min(1e-6), 1.0)
+        unshadowed, shadowed = F.interpolate(field, size=size, mode="bilinear", align_corners=False).chunk(2, 1)
+        return torch.where(unshadowed > 1e-6, shadowed / unshadowed.clamp_min(1e-6), 1.0)
 
     @cached_property
     def _at_surface(self) -> tuple[torch.Tensor, torch.Tensor]:
-        """Which points have a surface at all, (P,), and `open` of them beside `closed`: (texels, 2 P), a row per texel.
+        """Indices (P,) of the points with a surface, and their `unshadowed` and `shadowed` side by side, (texels, 2 P).
 
-        So those of a few lit texels lie together.
+        A row for each texel, so that what a few lit texels give is read from a few rows (see `response_to`).
         """
-        points = self.open.any(dim=1).nonzero()[:, 0]
-        return points, torch.cat([self.open[points], self.closed[points]]).T.contiguous()
+        points = self.unshadowed.any(dim=1).nonzero()[:, 0]
+        return points, torch.cat([self.unshadowed[points], self.shadowed[points]]).T.contiguous()
 
     @cached_property
     def _shine_at_surface(self) -> tuple[torch.Tensor, torch.Tensor]:
-        """As `_at_surface`, of the gloss that skin has."""
-        points = self.open.any(dim=1).nonzero()[:, 0]
-        toward, weight = (part.to(self.open.device) for part in network_texels())
+        """As `_at_surface`, of the gloss that skin has instead of its diffuse response."""
+        points = self.unshadowed.any(dim=1).nonzero()[:, 0]
+        toward, weight = (part.to(self.unshadowed.device) for part in network_texels())
         shine = specular_lobe(toward, self.normal[points]).T * weight
-        seen = (self.closed[points] / self.open[points].clamp_min(1e-12)).clamp_max(1)
+        seen = (self.shadowed[points] / self.unshadowed[points].clamp_min(1e-12)).clamp_max(1)
         return points, torch.cat([shine, shine * seen]).T.contiguous()
 
 
@@ -142,7 +144,7 @@ def _transport(horizon: torch.Tensor, normal: torch.Tensor, covered: torch.Tenso
     toward, weight = (part.to(horizon.device) for part in network_texels())
     normal = normal.float().flatten(1).T.contiguous()
     cosine = (normal @ toward.T).clamp_min(0)
-    opened = cosine * weight / torch.pi * (covered > 0.5).flatten()[:, None]
+    unshadowed = cosine * weight / torch.pi * (covered > 0.5).flatten()[:, None]
     horizon = horizon.flatten(1)
     across = toward[:, :2].norm(dim=1).clamp_min(1e-4)
     elevation = torch.atan2(toward[:, 2], across)
@@ -152,7 +154,7 @@ def _transport(horizon: torch.Tensor, normal: torch.Tensor, covered: torch.Tenso
     before, after = (horizon[(first.long() + step) % _AZIMUTHS] for step in (0, 1))
     above = elevation[:, None] - (before + (after - before) * blend)
     visible = (above / _PENUMBRA + 0.5).clamp(0, 1).T
-    return ReliefTransport(opened, opened * visible, size, normal)
+    return ReliefTransport(unshadowed, unshadowed * visible, size, normal)
 
 
 def march_distances(size: int, steps: int) -> list[float]:

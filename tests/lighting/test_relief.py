@@ -49,9 +49,9 @@ def test_reliefs_marched_together_are_marched_as_each_alone():
     together = march_reliefs(reliefs, normals, where)
     for number, transport in enumerate(together):
         alone = march_relief(reliefs[number], facing_camera(), where[number])
-        torch.testing.assert_close(transport.closed, alone.closed, atol=1e-6, rtol=1e-4)
-        torch.testing.assert_close(transport.open, alone.open)
-    assert not torch.equal(together[0].closed, together[1].closed)
+        torch.testing.assert_close(transport.shadowed, alone.shadowed, atol=1e-6, rtol=1e-4)
+        torch.testing.assert_close(transport.unshadowed, alone.unshadowed)
+    assert not torch.equal(together[0].shadowed, together[1].shadowed)
 
 
 def test_a_plane_casts_no_shadow():
@@ -184,7 +184,7 @@ def test_gloss_is_lost_in_no_light_and_off_the_surface_nowhere():
 
 def test_under_an_even_light_of_one_a_white_wall_that_faces_the_camera_sends_out_one():
     transport = march_relief(torch.zeros(SIZE, SIZE), facing_camera(), covered())
-    torch.testing.assert_close(transport.open.sum(1), torch.ones(SIZE**2), rtol=0.02, atol=0)
+    torch.testing.assert_close(transport.unshadowed.sum(1), torch.ones(SIZE**2), rtol=0.02, atol=0)
 
 
 def test_where_there_is_no_surface_nothing_is_hidden_behind_a_wall():
@@ -209,7 +209,7 @@ def test_of_lamps_of_two_colours_each_counts_by_its_luminance():
 
 def test_where_a_lamp_gives_next_to_nothing_its_shadow_is_none():
     strong, faint = lamp("right"), lamp("right") * 2e-3
-    irradiance = (march_relief(wall(), facing_camera(), covered()).open @ faint[0, ..., 0].flatten()).max()
+    irradiance = (march_relief(wall(), facing_camera(), covered()).unshadowed @ faint[0, ..., 0].flatten()).max()
     assert 1e-3 < irradiance < 0.01
     assert shadow(wall(), strong)[16, 11:14].min() > 0.8
     assert shadow(wall(), faint)[16, 11:14].max() < 0.2

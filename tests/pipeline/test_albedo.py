@@ -44,11 +44,11 @@ def flattened(surface, relief, light):
 
 
 def irradiance_of(relief, light):
-    return (relief.open @ light[0].flatten(0, 1)).T.reshape(1, 3, SIZE, SIZE)
+    return (relief.unshadowed @ light[0].flatten(0, 1)).T.reshape(1, 3, SIZE, SIZE)
 
 
 def shading_of(surface):
-    return (open_transport(surface).closed @ side_light()[0].flatten(0, 1)).T.reshape(1, 3, SIZE, SIZE)
+    return (open_transport(surface).shadowed @ side_light()[0].flatten(0, 1)).T.reshape(1, 3, SIZE, SIZE)
 
 
 @pytest.mark.parametrize("power", [0.2, 0.5, 0.9])
@@ -89,7 +89,7 @@ def test_a_neck_is_skin_and_hair_keeps_what_is_in_its_albedo():
 
 def half_hidden(surface):
     """Transport of a surface's own relief, to whose left half a half of all light gets."""
-    opened = open_transport(surface).open
+    opened = open_transport(surface).unshadowed
     reaches = torch.where(torch.arange(SIZE * SIZE) % SIZE < SIZE // 2, 0.5, 1.0)
     return ReliefTransport(opened, opened * reaches[:, None], SIZE)
 
@@ -97,7 +97,7 @@ def half_hidden(surface):
 def test_shading_of_the_reliefs_own_shadows_is_taken_out_too():
     clean = ball_surface(torch.full((1, 3, SIZE, SIZE), 0.3))
     relief = half_hidden(clean)
-    behind = (relief.closed @ side_light()[0].flatten(0, 1)).T.reshape(1, 3, SIZE, SIZE)
+    behind = (relief.shadowed @ side_light()[0].flatten(0, 1)).T.reshape(1, 3, SIZE, SIZE)
     left = clean.albedo * (behind + 0.02) ** 0.5
     assert float(flattened(ball_surface(left), relief, side_light()).log().std()) < 0.1 * float(left.log().std())
 
@@ -105,7 +105,7 @@ def test_shading_of_the_reliefs_own_shadows_is_taken_out_too():
 def test_a_hat_in_its_own_shadow_is_not_taken_for_a_darker_one():
     albedo = torch.full((1, 3, SIZE, SIZE), 0.3)
     relief, light = half_hidden(ball_surface(albedo)), side_light()
-    seen = albedo * (relief.closed @ light[0].flatten(0, 1)).T.reshape(1, 3, SIZE, SIZE)
+    seen = albedo * (relief.shadowed @ light[0].flatten(0, 1)).T.reshape(1, 3, SIZE, SIZE)
     hat = ball_surface(albedo, seen * (0.6 / float(seen.max())), HAT)
     torch.testing.assert_close(flattened(hat, relief, light), albedo, rtol=0.1, atol=0)
 

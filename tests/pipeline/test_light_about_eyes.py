@@ -64,7 +64,7 @@ def test_what_relief_and_network_both_hide_is_hidden_once(cornea):
     wall = torch.zeros(SIZE, SIZE)
     wall[:, 40:] = 0.5
     walled = sky(cornea, wall)
-    share = float(1 - walled.closed.sum() / walled.opened.sum())
+    share = float(1 - walled.shadowed.sum() / walled.unshadowed.sum())
     assert 0.1 < share < 0.6
     np.testing.assert_allclose(lit(walled, torch.full((SIZE, SIZE), share)).seen, walled.seen, atol=1e-3)
     assert lit(walled, torch.zeros(SIZE, SIZE)).seen.max() <= 1 + 1e-6

@@ -30,7 +30,7 @@ def bar():
 
 
 def reflected(transport, light):
-    irradiance = (transport.open @ light[0].flatten(0, 1)).T.reshape(1, 3, SIZE, SIZE)
+    irradiance = (transport.unshadowed @ light[0].flatten(0, 1)).T.reshape(1, 3, SIZE, SIZE)
     return torch.cat([irradiance, torch.zeros_like(irradiance)], 1)
 
 

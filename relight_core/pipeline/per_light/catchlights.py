@@ -72,14 +72,14 @@ class EyeSky:
     """From where light reaches an eye by the relief, whatever the light.
 
     Attributes:
-        opened, closed: (texels,) of the relief's transport, at the eye.
+        unshadowed, shadowed: (texels,) of the relief's transport, at the eye.
         seen: (h, 2h) share in [0, 1] of what comes from each direction that reaches it, in the photo's camera space.
         place: rows and columns of the surface in which its iris lies.
         weights: (rows, columns) float32, how far each of their pixels is iris; sum 1, or 0 where it lies beyond.
     """
 
-    opened: torch.Tensor
-    closed: torch.Tensor
+    unshadowed: torch.Tensor
+    shadowed: torch.Tensor
     seen: np.ndarray
     place: tuple[slice, slice]
     weights: np.ndarray
@@ -139,15 +139,17 @@ def sky_over(cornea: Cornea, view: Crop, transport: ReliefTransport, size: int) 
     """
     points = torch.from_numpy(_weights(cornea, view, transport.size).ravel())
     at = points.nonzero()[:, 0]
-    opened, closed = (points[at] @ part[at.to(part.device)].cpu() for part in (transport.open, transport.closed))
-    seen = torch.where(opened > _LEAST_OPEN, closed / opened.clamp_min(_LEAST_OPEN), 0).clamp(0, 1)
+    unshadowed, shadowed = (
+        points[at] @ part[at.to(part.device)].cpu() for part in (transport.unshadowed, transport.shadowed)
+    )
+    seen = torch.where(unshadowed > _LEAST_OPEN, shadowed / unshadowed.clamp_min(_LEAST_OPEN), 0).clamp(0, 1)
     rows = round((len(seen) / 2) ** 0.5)
     seen = seen.reshape(rows, 2 * rows).numpy()
     if view.roll_deg:
         seen = np.clip(roll_light(np.repeat(seen[..., None], 3, axis=-1), -view.roll_deg)[..., 0], 0, 1)
     weights = _weights(cornea, view, size)
     place = bounds(weights)
-    return EyeSky(opened, closed, seen, place, weights[place])
+    return EyeSky(unshadowed, shadowed, seen, place, weights[place])
 
 
 def light_about(
@@ -160,10 +162,10 @@ def light_about(
         light: (1, 16, 32, 3) as the view sees it.
     """
     flat = light.float().reshape(-1, 3).cpu()
-    evenly, of_open = sky.closed @ flat, float((sky.opened @ flat).sum())
+    evenly, unshadowed = sky.shadowed @ flat, float((sky.unshadowed @ flat).sum())
     # What the networks know to be in shadow, of a brim or a nose, mirrors no lamp either.
     reaches = 1 - _hidden_at(sky, surface, effects, reflected)
-    agreed = min(1.0, reaches * of_open / max(float(evenly.sum()), 1e-12))
+    agreed = min(1.0, reaches * unshadowed / max(float(evenly.sum()), 1e-12))
     return LitEye(np.float32(agreed) * sky.seen, evenly.numpy())
 
 

@@ -79,5 +79,5 @@ def _skin_below_hair(parsing: torch.Tensor) -> torch.Tensor:
 
 def grey_irradiance(relief: ReliefTransport, light: torch.Tensor) -> torch.Tensor:
     """Rec.709 irradiance / pi behind the relief's own shadows, (1, 1, S, S), of one light (1, 16, 32, 3)."""
-    image = (relief.closed @ light.cpu().flatten(1, 2)[0]).T.reshape(1, 3, relief.size, relief.size)
+    image = (relief.shadowed @ light.cpu().flatten(1, 2)[0]).T.reshape(1, 3, relief.size, relief.size)
     return grey(image)

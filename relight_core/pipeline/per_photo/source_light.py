@@ -59,7 +59,7 @@ def explain_source_light(surface: Surface, reflector: Reflector, relief: ReliefT
     weight = person[:, 0] * unclipped * albedo.mean(1)
     texels = guess[0].flatten(0, 1).cpu()
     shading = matte / albedo.clamp_min(_DARKEST_ALBEDO)
-    light = explain_photo(texels * cast.cpu(), relief.closed, shading, weight)
+    light = explain_photo(texels * cast.cpu(), relief.shadowed, shading, weight)
     light = _left_to_light(surface, texels, light, by_camera=_BY_CAMERA)
     return light.reshape(guess.shape).to(guess.device)
 
