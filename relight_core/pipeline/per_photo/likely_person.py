@@ -1,4 +1,9 @@
-"""Where in a photo a person probably is: as networks say within their views, as bodies go on beyond, and by colours."""
+"""The probability that a pixel of a photo belongs to a person, from three sources.
+
+Within the views that networks looked at, it is what they say. Beyond, a prior on where bodies go on below and beside
+a head takes their place. Both are then corrected by colour: by how common a pixel's colour is among what is surely a
+person and among what is surely not.
+"""
 
 from __future__ import annotations
 
@@ -15,33 +20,66 @@ from relight_core.imaging.masks import largest_part
 from relight_core.imaging.ramp import ramp
 
 _SURELY_BODY, _PROBABLY_BODY, _PERHAPS_BODY, _NOBODY = 0.97, 0.6, 0.2, 0.02
-_BESIDE_LEGS, _LEGS_HALF_WIDTH, _HIPS, _KNEES, _BELOW_FEET = 0.05, (0.1, 0.45), 0.5, 1.2, 2.4
-"""The last four in sides of a view, the heights below it."""
+"""Prior probabilities of person beyond the nearest look (see `_around`)."""
+_BESIDE_LEGS = 0.05
+"""The largest prior beside the legs."""
+_LEGS_HALF_WIDTH = (0.1, 0.45)
+"""How far from the view's middle, in its sides, legs surely are, and surely end."""
+_HIPS, _KNEES, _BELOW_FEET = 0.5, 1.2, 2.4
+"""Heights below the view's lower edge, in its sides."""
+
 _LEAST, _TINY = 0.01, 1e-20
+"""The least probability, so that log odds stay finite, and what is added to a divisor that may be 0."""
 _SURE_FROM = 0.7
+"""The probability from which on a mask is sure, of person or of background."""
 _NO_GAP_FROM = 0.5
-_ENCLOSED, _HALF_ENCLOSED, _WHOLE, _LEAST_GAP_PX = 0.3, 0.15, 0.9, 12
+"""The mask's probability from which on a gap in the matte may be closed; from `_SURE_FROM` on it is."""
+
+_ENCLOSED, _HALF_ENCLOSED = 0.3, 0.15
+"""Alphas of the matte without its holes above which a place lies within a person, and within a soft outline."""
+_WHOLE = 0.9
+"""The alpha below which a place within a person counts as a gap."""
+_LEAST_GAP_PX = 12
+"""Pixels of the smallest gap that is looked at."""
 _DEEP, _DEEP_SHARE = 0.05, 0.16
+"""By how much a pixel of a gap is below what encloses it, and the share of the gap's pixels of which that must hold."""
 _RIM = np.ones((5, 5), np.uint8)
+"""The soft edge of an outline, which is no gap."""
 _ABOUT, _LEAST_ABOUT_PX = 2.0, 12
+"""How far around a gap the person's colours are learnt, in roots of its area, and in pixels at the least."""
 _PERHAPS_ALIKE, _SURELY_ALIKE = 2.0, 3.0
-"""Mean log odds of a gap's colours, person about it to background, from which on it is closed, in part and whole."""
+"""Mean log odds of a gap's colours, of the person around it over the background, from which on it is partly closed,
+and wholly."""
+
 _MOST_COLOURS_SAY, _MOST_FROM_AFAR = 2.0, 4.0
-_NOBODYS, _DOUBTFUL, _MOST_OF_NOBODYS = (3.5, 5.0), (3.0, 3.5), 6.0
-"""Log odds against the person from which on hardly anything on them has a colour, and next to nothing; those of a mask
-up to which and from which on it is in doubt and beyond it; how much colours say where both are so. To networks hair is
-solid: a blown wall between two curls, of which they are less sure, would take on every light as a grey haze. Of a
-white collar before that wall they are surer."""
+"""By how much colours may change log odds within the nearest looks, and, against the person, beyond them."""
+_NOBODYS = (3.5, 5.0)
+"""Log odds against the person from which on a colour is rare on them, and next to absent."""
+_DOUBTFUL = (3.0, 3.5)
+"""Log odds of a mask up to which it is in doubt, and from which on it is not."""
+_MOST_OF_NOBODYS = 6.0
+"""By how much colours that are absent from the person may change log odds where the mask is in doubt. To networks hair
+is solid: a blown-out wall between two curls would be relit as a grey haze. They are less sure of it than of a white
+collar before that wall."""
 _LEFT_BY_COLOURS = (0.05, 0.2)
-"""Probability of person, colours heard, up to which a gap is none of the mask's business, and from which on it is."""
+"""Probabilities of person after colours were heard up to which a gap stays open whatever the mask says, and from which
+on the mask decides."""
 _ROUNDS = 2
+"""How often colours are learnt anew from what they have decided."""
 _GROWN_AT_ONCE = 8
+"""Steps of a reconstruction between two looks whether it still grows."""
 _PERHAPS_FACE, _SURELY_FACE = 0.5, 0.9
-_DOUBTED, _DENIED, _SUREST, _AT_MOST_BESIDE = 1.0, 2.0, 0.002, 0.35
-"""In a wider look faces are smaller than the person network learnt with. It knows bodies there and what lies behind
-them, but doubts what people hold, and beside heads takes things along: in those, colours decide."""
+
+_DOUBTED, _DENIED, _SUREST = 1.0, 2.0, 0.002
+"""Log odds for a person, and against one, that a wider look must exceed to count, and the least probability it may say.
+Faces are smaller there than those the person network was trained on: it knows bodies and what lies behind them, but
+doubts what people hold."""
+_AT_MOST_BESIDE = 0.35
+"""The largest probability that a wider look may give to what lies beside a head or above it: there the network takes
+things along, and colours decide."""
 _MIDDLE, _NEARNESS_POWER = 0.05, 4
-"""What is added to a distance from the middle of a look, in its sides, and how much faster than it a claim weakens."""
+"""A claim to a place weakens with this power of its distance from the middle of a look plus the first, in the look's
+sides."""
 
 Look = tuple[np.ndarray, Crop]
 """(S, S) probability in [0, 1] that the pixels of a view are a person, and where in the photo the view lies."""
@@ -53,18 +91,19 @@ def place_masks(
     photo_size: tuple[int, int],
     others: Sequence[list[Look]] = (),
 ) -> list[np.ndarray]:
-    """Each person's masks at their places in a photo, and around them what is likely of a body below and a head above.
+    """Each person's probability over the whole photo: what the looks at them say, and a prior on bodies beyond.
 
-    What somebody may only perhaps reach, and another's nearest look sees, is nobody's: else a lamp between two heads
-    would be in doubt, as a part of everyone whose looks end before it. What is as likely a part of somebody else is
-    whose is nearer: to the person network an arm or a shirt that a neighbour rests against may belong to both.
+    Two rules hold between neighbours. Where a person has only the weak prior, and another person's nearest look sees
+    the place, it is nobody's: else a lamp between two heads would stay in doubt as a part of everyone whose looks end
+    before it. And where `others` are as likely, a place belongs to whoever's look has it nearer its middle: to the
+    person network an arm or a shirt that a neighbour rests against may belong to both.
 
     Args:
         people: looks at each, from the nearest to the widest; what is not finite or out of range is brought into it.
-            What lies outside the nearest is guessed, and the wider ones have a say in that.
+            Beyond the nearest the prior holds, corrected by the wider ones.
         size: (h, w) of the result.
         photo_size: (height, width).
-        others: looks at people who are known not to be meant.
+        others: looks at people who are not to be relit.
 
     Returns:
         (h, w) float32 in [0, 1] for each of the people.
@@ -99,12 +138,12 @@ def near_views(people: Sequence[list[Look]], size: tuple[int, int], photo_size: 
 def likely_person(
     guide: np.ndarray, placed: list[np.ndarray], face: np.ndarray | None = None, near: np.ndarray | None = None
 ) -> np.ndarray:
-    """Probability of person over a whole photo.
+    """Probability of person over a whole photo: the masks, corrected by colour.
 
-    A nose before a wall of skin's colour is none of the wall's, however much more of that colour the wall has: in a
-    face, which networks know by its shape, colours have no say against the person. Beyond the nearest looks they have
-    most: a wall that a wider one takes for a lap has the colours of the wall behind the shoulders. Within them they
-    have even more where the masks are in some doubt and hardly anything on the person has such a colour.
+    How much colours may say differs. In a face, which networks know by its shape, they say nothing against the person:
+    a nose before a wall of the colour of skin stays a nose. Beyond the nearest looks they say more than within: a wall
+    that a wider look takes for a lap has the colours of the wall behind the shoulders. Within, they say most where the
+    masks are in doubt and hardly anything on the person has such a colour.
 
     Args:
         guide: (h, w, 3) sRGB in [0, 1], a small copy of the photo.
@@ -123,9 +162,9 @@ def likely_person(
 
 
 def attached(matte: np.ndarray, placed: list[np.ndarray]) -> np.ndarray:
-    """A matte without what hangs together with no person: nowhere more than on the best way there from a person.
+    """A matte without what is connected to no person: no place is above the least alpha on the best path to a person.
 
-    Things of a person's colours lie about in photos. Hair that flies and hands hang on by something.
+    Things with a person's colours lie about in photos. Flying hair and hands are connected by something.
 
     Args:
         matte: (h, w) in [0, 1], over the whole photo.
@@ -143,10 +182,10 @@ def attached(matte: np.ndarray, placed: list[np.ndarray]) -> np.ndarray:
 
 
 def without_holes(matte: np.ndarray, placed: list[np.ndarray], likely: np.ndarray) -> np.ndarray:
-    """A matte without gaps that lie all within a person and that their mask knows nothing of.
+    """A matte without the gaps that a person encloses and their mask does not have: skin of the colour of the wall.
 
-    Skin may have the colour of the wall. Between an arm and a body, or a curl and a neck, where the mask has a gap
-    as well or colours leave little of it, one looks through.
+    A gap that the mask has too, or that colours plainly see, is a real one, as between an arm and the body, or a curl
+    and the neck.
 
     Args:
         matte, placed: as for `attached`.
@@ -161,16 +200,16 @@ def without_holes(matte: np.ndarray, placed: list[np.ndarray], likely: np.ndarra
 
 
 def without_lookalikes(matte: np.ndarray, guide: np.ndarray, undecided: np.ndarray) -> np.ndarray:
-    """A matte without gaps that have the colours of the person about them and none of what lies behind.
+    """A matte without the gaps whose colours are those of the person around them and not of the background.
 
-    Through a gap one sees what is seen beside the person too: a black brim, or hair in deep shadow, that the masks
-    miss is none.
+    Through a real gap one sees the background that is also seen beside the person. A black brim, or hair in deep
+    shadow, which the masks miss, has other colours than that.
 
     Args:
         matte: (h, w) in [0, 1].
         guide: (h, w, 3) sRGB in [0, 1].
-        undecided: (h, w) the matte before what is half and half was decided, where a strand that goes about a gap may
-            still be whole.
+        undecided: (h, w) the matte before even areas near one half were decided; a strand around a gap may be
+            unbroken only there.
 
     Returns:
         (h, w) float32, nowhere below the matte.
@@ -181,16 +220,16 @@ def without_lookalikes(matte: np.ndarray, guide: np.ndarray, undecided: np.ndarr
 
 
 def closed(matte: np.ndarray) -> np.ndarray:
-    """A matte (h, w) without its holes: what is not, but hangs together with the border only by what is."""
+    """A matte (h, w) with its holes filled: what is background but not connected to the border by background."""
     border = np.ones_like(matte)
     border[1:-1, 1:-1] = 0
     return 1 - _spread_within(np.minimum(border, 1 - matte), 1 - matte)
 
 
 def _half_enclosed(matte: np.ndarray) -> np.ndarray:
-    """Where a matte (h, w) has gaps within what is more person than nothing, and what is soft about them.
+    """(h, w) bool, the gaps that a soft outline of a matte (h, w) encloses, with their soft edges.
 
-    Soft edges hold specks that are shut in; a gap is so in a good part of it.
+    Soft edges enclose specks by chance; of a gap, a good part of the pixels is enclosed.
     """
     around = closed(matte)
     within = cv2.erode((around > _HALF_ENCLOSED).astype(np.uint8), _RIM)
@@ -204,7 +243,7 @@ def _half_enclosed(matte: np.ndarray) -> np.ndarray:
 
 
 def _like_what_is_about(matte: np.ndarray, gaps: np.ndarray, guide: np.ndarray) -> np.ndarray:
-    """(h, w) in [0, 1] how surely the colours of each gap, of a mask (h, w), are those of the person about it."""
+    """(h, w) in [0, 1], how surely each gap in a bool mask (h, w) has the colours of the person around it."""
     surely = np.zeros_like(matte)
     _, parts, boxes, _ = cv2.connectedComponentsWithStats(gaps.astype(np.uint8))
     bins = bins_of(guide)
@@ -235,7 +274,7 @@ def _spread_within(seed: np.ndarray, limit: np.ndarray) -> np.ndarray:
 
 
 def _placed(looks: list[Look], size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
-    """A person's mask at its place; beyond it what is likely of a body below and a head above, and wider looks."""
+    """A person's nearest mask at its place, (h, w); beyond it the prior on bodies, corrected by wider looks."""
     whole = all_of(size, photo_size)
     (person, view), *wider = looks
     seen = spread_crop(_in_range(person), view, whole)
@@ -249,7 +288,7 @@ def _placed(looks: list[Look], size: tuple[int, int], photo_size: tuple[int, int
 
 
 def _leave_to_others(mask: np.ndarray, looks: list[Look], near: np.ndarray, photo_size: tuple[int, int]) -> None:
-    """Take out of somebody's mask what is only perhaps theirs, where another's nearest look sees that it is nobody's.
+    """Lower a person's mask, in place, to `_NOBODY` where it is only the weak prior and another's nearest look reaches.
 
     Args:
         near: (h, w) see `near_views`, of everybody.
@@ -272,7 +311,7 @@ def _inside(view: Crop, size: tuple[int, int], photo_size: tuple[int, int]) -> n
 
 
 def _heeding(guess: np.ndarray, told: np.ndarray) -> np.ndarray:
-    """The probability of a guess after what a wider look tells, as far as that is beyond some doubt."""
+    """A prior probability corrected by what a wider look says, as far as its log odds are beyond doubt."""
     told = np.clip(told, _SUREST, 1 - _SUREST)
     odds = np.log(told / (1 - told))
     beyond_doubt = np.maximum(odds - _DOUBTED, 0) + np.minimum(odds + _DENIED, 0)
@@ -284,10 +323,12 @@ def _in_range(mask: np.ndarray) -> np.ndarray:
 
 
 def _around(across: np.ndarray, below: np.ndarray, placed: np.ndarray) -> np.ndarray:
-    """(h, w): shoulders widen below a view, hair and hats go on above it; nobody is far above or beside, or below feet.
+    """(h, w) the prior probability of person beyond a view.
 
-    A view is 3.4 faces wide and ends two below the face's middle: a person who stands ends two more views down. From
-    the knees on, what lies beside legs is floor more often than a gown, and has any colour.
+    Shoulders widen below a view, hair and hats go on above it, and nobody is far above or beside it, or below their
+    feet. A view is 3.4 faces wide and ends two faces below the face's middle (see `face.person_view`), so that a person
+    who stands ends about two views further down. From the knees on, what lies beside legs is floor more often than a
+    gown, and of any colour.
 
     Args:
         across, below: (h, w) how far each place lies beside the view's middle and below its lower edge, in its sides.
@@ -304,7 +345,12 @@ def _around(across: np.ndarray, below: np.ndarray, placed: np.ndarray) -> np.nda
 
 
 def _as_colours_say(guide: np.ndarray, prior: np.ndarray, face: np.ndarray, near: np.ndarray) -> np.ndarray:
-    """Log odds plus those of each pixel's colour among what is surely person and surely not, in no face against it."""
+    """Probability (h, w) from prior log odds plus the limited log odds of each pixel's colour.
+
+    Args:
+        prior: (h, w) log odds of person.
+        face, near: (h, w) in [0, 1]: where colours say nothing against the person, and where they are learnt.
+    """
     bins = bins_of(guide)
     odds, in_doubt = prior, 1 - ramp(prior, *_DOUBTFUL)
     for _ in range(_ROUNDS):
