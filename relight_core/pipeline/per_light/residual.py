@@ -1,30 +1,29 @@
 """What the model misses of the photo, carried over to other lights.
 
-Under the light that the photo was taken in, the model's picture should be the photo. Where it isn't, the
-surface differs from what de-lighting believes (brows, lashes, stubble, dark cloth), and will differ by about as
-much under another light: a ratio image (Liu, Shan and Zhang 2001), of the photo over its model. It multiplies
-what the model makes of another light, by its full strength where the place is lit as in the photo, and by
-less the less alike the two are: a highlight or a cast shadow that the model missed belongs to the photo's light
-and not to the surface. On skin, what is brighter than its model, of another colour, or off over more than a mole is
-the light's more often than the surface's, and fades faster; the last of them, light and shadow that the model missed,
-also fades as the whole light becomes another, the faster the more of it there is. So does, where lamps of several
-colours light a face, a colour over more than a mole that flush and tan don't explain: it is a lamp's, and lips, eyes
-and brows have it too. And where much of the skin lies in shadows that the model missed, what colour they have is the
-sky's, and the skin's tone is that of the rest of it. So a portrait under its own estimated light is the photo again.
+Under the light that the photo was taken in, the model's picture should be the photo. What it misses is measured once,
+as the log of the photo over the model (a ratio image: Liu, Shan and Zhang 2001), and multiplies what the model makes of
+any other light. So a portrait under its own estimated light is the photo again.
 
-Skin or hair that is far brighter than its model was grazed by a light from behind, which no model of the face's front
-knows: how a place is lit says little about whether another light does the same, so that much of it fades as the whole
-light becomes another. So do colours in deep shadow that the skin's albedo doesn't have: they are another lamp's.
+Not all of that belongs to the surface. Each part stays under another light as far as its cause does:
 
-Two things stay in any light: what a camera adds to the colour of all skin (see `pipeline.per_photo.saturation`), and
-the colours of all that is not skin, of which photo and skin together say more than the albedo does: a mask and broad
-paint amid skin or over all of a face (see `pipeline.per_photo.face_paint`) are none, whatever parsing takes them for,
-nor is what is red by itself (see `pipeline.per_photo.own_redness`); nearly black hair and cloth keep the colour they
-are seen in (see `pipeline.per_photo.black_colour`).
-
-In hair that is darker than its model, strands lie in each other's shadow, whatever light falls on them: it stays
-darker. So does a beard's edge that parsing can't tell from the neck, and whose albedo is half that of skin: far
-darker than that model, it is more likely hair than neck.
+- **Narrow darkening** (brows, lashes, stubble, dark cloth) is mostly the surface's. It stays in proportion to how
+  alike a place is lit in both lights: a cast shadow that the model missed belongs to the photo's light.
+- **All else**, such as a highlight that the model missed, fades likewise, on skin faster: what is brighter there than
+  the model, of another colour, or off over more than a mole is the light's more often than the surface's.
+- **Missed light and shadow** (`missed`), which is what is off over more than a mole on skin, fades as the whole light
+  becomes another (`lighting.likeness`), the faster the more of it there is. So do colours that are a lamp's or the
+  sky's: where lamps of several colours light a face, those over more than a mole that flush and tan don't explain, on
+  lips, eyes and brows too; and where much of the skin lies in shadows that the model missed, the colour of these.
+- **Fleeting parts** (`fleeting`) stay only under a light much like the photo's: glare, which is skin or hair far
+  brighter than its model, grazed by a light from behind that no model of the face's front knows, and about which how a
+  place is lit says little; and colours in deep shadow that the skin's albedo doesn't have, which are another lamp's.
+- **The tint** (`tint`) stays under any light: what a camera adds to the colour of all skin (`per_photo.saturation`),
+  and the colours of all that is not skin, of which photo and skin together say more than the albedo does. A mask and
+  paint over all of a face (`per_photo.face_paint`), broad paint amid skin (`per_photo.skin_colour`), and what is red by
+  itself (`per_photo.own_redness`) are no skin here, whatever the parsing takes them for; nearly black hair and cloth
+  keep the colour they are seen in (`per_photo.black_colour`).
+- **Dark hair** (`stays_dark`): strands lie in each other's shadow under any light. So does a beard's edge that the
+  parsing takes for the neck, and whose albedo is half that of skin: far darker than that model, it is likelier hair.
 """
 
 from __future__ import annotations
@@ -53,26 +52,35 @@ from relight_core.pipeline.per_photo.skin_colour import deep_shadow, painted
 from relight_core.pipeline.per_photo.source_light import level_over_person, seen_of_person
 from relight_core.pipeline.stages import Composed, Surface
 
-_BEYOND, _PILED_UP, _FEW = 0.05, 0.02, 1e-4
-"""How far above 1 a pixel was surely not clipped, how near to 1 it surely was, and the share of pixels that is few."""
+_BEYOND, _PILED_UP = 0.05, 0.02
+"""How far above 1 a pixel's value says that the photo was not clipped there, and how near to 1 that it was."""
+_FEW = 1e-4
+"""The share of a photo's pixels that is too few to tell."""
 _DARK_HAIR = 0.8
+"""The share of hair's darkening that stays under any light."""
 _DARK_NECK, _DIM_NECK = (0.6, 1.2), (0.2, 0.8)
 """How much darker than its model a neck's pixel is, and its albedo than that of most skin, in logs, from which on it
 is likelier hair, in part and altogether. Both count: skin in a shadow that the model missed keeps its albedo."""
 _HAIR_LOG_ODDS = 4.0
+"""By how much both at their full raise the log odds of hair over neck."""
 _FADES = 2.0
+"""By how much the power rises, from elsewhere to bare skin, by which all but darkening follows how alike a place is
+lit."""
 _MOST_SATURATED = 0.6
+"""The largest share of skin's own colour that a camera is believed to add to it."""
 _GLARE_OF_SKIN, _GLARE_OF_HAIR = (0.2, 0.5), (0.5, 0.8)
 """Log ratios from which on brighter than the model counts as glare, in part and altogether."""
 _GLARE_FADES = 6
+"""The power of what two lights share by which fleeting parts stay."""
 _FOREIGN_FADES = 8
-"""What throws a shadow from outside stands before the photo's own light, and before one that is much like it."""
+"""The same for shadows from outside: what throws them stands before the photo's own light, and before one much like
+it."""
 _MISSED_FADES, _MUCH_MISSED = (2.0, 8.0), (0.22, 0.34)
-"""The powers of what two lights share by which missed light fades, and the spreads of it over a face's skin, in logs,
-from which on it fades by more than the first power and by the second. Where a hat, leaves or blinds throw shadows that
-the model knows nothing of, the photo's own light is not what it seems, and being like that one says little."""
+"""The powers of what two lights share by which missed light stays, and its standard deviations over a face's skin, in
+logs: up to the first the first power holds, from the second on the second. Where a hat, leaves or blinds throw shadows
+that the model knows nothing of, the photo's own light is not what it seems, and being like that one says little."""
 _MISSED_ELSEWHERE = (0.26, 0.4)
-"""The spreads from which on hair and cloth lie in such shadows too, perhaps and surely; else it is their albedo."""
+"""The deviations from which on hair and cloth lie in such shadows too, perhaps and surely; else it is their albedo."""
 _BROAD = 2 * MOLE
 """Of the view's side, to each side: what is broader and of other colours, with plain skin about it, is surely paint."""
 _STEP = (0.1, 0.3)
@@ -85,7 +93,7 @@ class Residual:
 
     Attributes:
         log_ratio: (1, 3, S, S), [-3, 3], or up to 3 above the largest log radiance of a photo that exceeds 1.
-        shading: (1, 1, S, S) the model's grey explicit sum there, normalised light.
+        shading: (1, 1, S, S) luminance of the model's explicit sum under that light, normalised.
         stays_dark: (1, 1, S, S) in [0, 1], how much of a darkening stays under whatever light.
         skin: (1, 1, S, S) probability of bare skin.
         broad: (1, 1, S, S) the part of the mean log ratio that more than a mole shares, on skin, and on all else
@@ -95,7 +103,7 @@ class Residual:
         missed_fades: the power of what another light shares with the photo's by which `missed` stays.
         tint: (1, 3, S, S) the part of the log ratio, of mean 0, that stays under whatever light.
         fleeting: (1, 3, S, S) the part of the log ratio that only the photo's own light or one much like it gives.
-        light: (1, 16, 32, 3) the photo's own.
+        light: (1, 16, 32, 3) the photo's own, linear radiance.
         level: of that light, such that model and photo are equally bright over the person.
         largest_log: the largest log ratio there may be.
         foreign_shadow: (1, 3, S, S) logs of what shadows from outside leave of the photo's light, which the other parts
@@ -171,7 +179,7 @@ def find_residual(
 
 
 def at_light_level(residual: Residual, level: float) -> Residual:
-    """The same for a light of another level: by what the model was off as a whole it is off everywhere."""
+    """The same at another level of the photo's light: what that changes of the whole picture goes into the ratio."""
     if not (level > 0 and residual.level > 0):
         return residual
     brighter = math.log(residual.level / level)
@@ -314,22 +322,22 @@ def _was_clipped(recorded: torch.Tensor) -> float:
 def add_residual(
     residual: Residual, composed: Composed, effects: Effects, light: torch.Tensor
 ) -> tuple[torch.Tensor, Effects]:
-    """Another light's image (1, 3, S, S), linear >= 0, with the residual in it, and its effects changed alike.
+    """Another light's image (1, 3, S, S), linear >= 0, times what stays of the residual; its effects likewise.
 
     Args:
+        composed, effects: the model's, under that other light.
         light: (1, 16, 32, 3) that other light.
     """
     shading = grey(composed.plain)
     darker, brighter = torch.minimum(shading, residual.shading), torch.maximum(shading, residual.shading)
     alike = (darker + BLACK) / (brighter + BLACK)
-    level = residual.log_ratio.mean(1, keepdim=True) - residual.broad
-    faint = alike ** (1 + _FADES * residual.skin)
-    darkening = level.clamp_max(0)
+    narrow = residual.log_ratio.mean(1, keepdim=True) - residual.broad
+    darkening = narrow.clamp_max(0)
     kept = darkening * torch.maximum(alike, residual.stays_dark) + residual.tint
     shared = likeness(residual.light, light)
     of_light = (1 - shared**_GLARE_FADES) * residual.fleeting + (1 - shared**residual.missed_fades) * residual.missed
-    lightening = residual.log_ratio - darkening - residual.tint - of_light
-    logs = kept + lightening * faint
+    all_else = residual.log_ratio - darkening - residual.tint - of_light
+    logs = kept + all_else * alike ** (1 + _FADES * residual.skin)
     if residual.foreign_shadow is not None:
         logs = logs + shared**_FOREIGN_FADES * residual.foreign_shadow
     ratio = torch.exp(logs)
