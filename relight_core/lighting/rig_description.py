@@ -72,8 +72,8 @@ _RANGES = {
 }
 
 _MOST_COLOUR = 1e4
-_WIDEST_HOLE = 0.9
-"""Of a disc's width, as of a soft box: of a thinner ring no texel would see any."""
+WIDEST_HOLE = 0.9
+"""Of a disc's width, for rigs and soft boxes alike: a thinner ring could fall between all texels."""
 
 
 @dataclass(frozen=True)
@@ -189,8 +189,8 @@ def _parse_area_light(table: Any, index: int, white: float) -> AreaLight:
     if form == "disc" and "height_deg" in table:
         raise InputError(f"{where}: a disc has a width_deg and no height_deg")
     hole = _number(table, "hole_deg", where, 0.0)
-    if hole and (form != "disc" or hole > _WIDEST_HOLE * width):
-        raise InputError(f"{where}: hole_deg belongs to a disc and is at most {_WIDEST_HOLE} of its width_deg")
+    if hole and (form != "disc" or hole > WIDEST_HOLE * width):
+        raise InputError(f"{where}: hole_deg belongs to a disc and is at most {WIDEST_HOLE} of its width_deg")
     return AreaLight(
         azimuth_deg=_number(table, "azimuth_deg", where),
         elevation_deg=_number(table, "elevation_deg", where),

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from relight_core.imaging.colour import REC709_LUMINANCE
-from relight_core.lighting.colour_temperature import COOLEST_KELVIN, HOTTEST_KELVIN, kelvin_to_rgb
-from relight_core.lighting.rig_description import FORMS, AreaLight
+from relight_core.lighting.colour_temperature import COOLEST_KELVIN, HOTTEST_KELVIN, WHITE_KELVIN, kelvin_to_rgb
+from relight_core.lighting.rig_description import FORMS, WIDEST_HOLE, AreaLight
 from relight_core.lighting.rig_render import area_light_radiance, direction_of
 from relight_core.lighting.sphere import directions, place_on_map, solid_angles
 
@@ -28,7 +28,7 @@ SOFT_BOX_RANGES = {
     "softness": (0.0, 1.0),
     "kelvin": (COOLEST_KELVIN, HOTTEST_KELVIN),
     "intensity": (0.0, 16.0),
-    "hole": (0.0, 0.9),
+    "hole": (0.0, WIDEST_HOLE),
 }
 
 
@@ -59,7 +59,7 @@ class SoftBox:
     width_deg: float = 30.0
     height_deg: float = 30.0
     softness: float = 0.4
-    kelvin: float = 5600.0
+    kelvin: float = WHITE_KELVIN
     colour: tuple[float, float, float] | None = None
     intensity: float = 1.0
     form: str = "rectangle"
@@ -108,15 +108,15 @@ def soft_box_radiance(box: SoftBox, height: int, unit: float = 1.0) -> np.ndarra
         (height, 2 * height, 3) float32 linear radiance; all 0 of a box that is switched off.
     """
     lamp = AreaLight(
-        box.azimuth_deg,
-        box.elevation_deg,
-        box.width_deg,
-        box.height_deg,
-        tuple(float(value) for value in box.rgb),
-        0.0 if box.off else box.intensity * unit,
-        box.softness,
-        box.hole * box.width_deg if box.is_round else 0.0,
-        box.form,
+        azimuth_deg=box.azimuth_deg,
+        elevation_deg=box.elevation_deg,
+        width_deg=box.width_deg,
+        height_deg=box.height_deg,
+        colour=tuple(float(value) for value in box.rgb),
+        intensity=0.0 if box.off else box.intensity * unit,
+        softness=box.softness,
+        hole_deg=box.hole * box.width_deg if box.is_round else 0.0,
+        form=box.form,
     )
     return area_light_radiance(lamp, directions(height, 2 * height), solid_angles(height, 2 * height))
 

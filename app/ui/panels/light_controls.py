@@ -11,15 +11,27 @@ from app.ui import light_edits, theme, widgets
 from app.ui.panels.groups import Tool, group, tools_beside
 from app.ui.panels.panorama import add_next_box
 from app.ui.state import EditorState
-from relight_core.lighting.soft_box import SoftBox, box_title
+from relight_core.lighting.soft_box import SOFT_BOX_RANGES, SoftBox, box_title
 from relight_core.lighting.summary import metered_level_ev
+
+_AT_REST = SoftBox()
+"""What a double click brings the sliders of a soft box back to."""
 
 BOX = {
     "intensity": widgets.Slider(
-        "Brightness", 0.0, 4.0, 1.0, "%.2f ×", "How strong this lamp is; 1 is as strong as the light's brightest side."
+        "Brightness",
+        0.0,
+        4.0,
+        _AT_REST.intensity,
+        "%.2f ×",
+        "How strong this lamp is; 1 is as strong as the light's brightest side.",
     ),
-    "softness": widgets.Slider("Soft edge", 0.0, 1.0, 0.4, "%.2f", "0 has a crisp edge, 1 fades from the middle out."),
-    "kelvin": widgets.Slider("Colour", 2000.0, 12000.0, 5600.0, "%.0f K", "From candle to blue sky; 5600 is daylight."),
+    "softness": widgets.Slider(
+        "Soft edge", 0.0, 1.0, _AT_REST.softness, "%.2f", "0 has a crisp edge, 1 fades from the middle out."
+    ),
+    "kelvin": widgets.Slider(
+        "Colour", 2000.0, 12000.0, _AT_REST.kelvin, "%.0f K", "From candle to blue sky; 5600 is daylight."
+    ),
 }
 LIGHT = {
     "level_ev": widgets.Slider("Level", -4.0, 4.0, 0.0, "%+.2f EV", "Brightens or dims the whole light, in stops."),
@@ -37,7 +49,9 @@ SHAPES = (
     ("rectangle", "Square", "A soft box, a window, a strip."),
     ("disc", "Round", "A beauty dish, an umbrella, a bulb, a ring light."),
 )
-HOLE = widgets.Slider("Hole", 0.0, 0.9, 0.0, "%.2f", "How much of it is dark in the middle, as of a ring light.")
+HOLE = widgets.Slider(
+    "Hole", *SOFT_BOX_RANGES["hole"], 0.0, "%.2f", "How much of it is dark in the middle, as of a ring light."
+)
 GEL, GEL_WORDS = "Coloured gel", "A coloured gel in front of this lamp."
 RESET_WORDS = "Puts level, colour and blur of the light back."
 _SPACING = 4.0
