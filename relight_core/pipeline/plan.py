@@ -165,7 +165,7 @@ def make_plan(
 
 def plan_of_own_light(tier: Tier) -> Plan:
     """How a tier models the photo under the light it was taken under, whatever light and edit are asked for."""
-    return make_plan(Scene(tier, "own", 0.0, None, 1.0), Edit())
+    return make_plan(Scene(tier, light="own", light_bound=0.0, backdrop=None, level=1.0), Edit())
 
 
 def light_change(before: np.ndarray, after: np.ndarray) -> float:

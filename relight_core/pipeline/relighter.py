@@ -298,29 +298,43 @@ class Relighter:
         return replace(edit, quality=tier, surface_of=None)
 
     def _planned(self, environment: Environment, edit: Edit) -> tuple[Plan, ServingLight]:
+        """The plan for an edit whose tier is settled, and the light whose results serve."""
         caches = self._cache, self._first().cache
-        tier = tier_of(edit.quality)
-        was_apart = self._first().knows_surface(tier)
-        radiance = network_light(environment, edit.yaw_deg)
-        if self._whole.monochrome:
-            radiance = without_colour(radiance)
-        light = self._lights.match(tier, radiance, 0.0 if edit.forced_on else edit.tolerance)
-        light = replace(light, lamps=lamps_of(environment, edit.yaw_deg))
-        backdrop = None
-        if edit.background == "light":
-            backdrop = (environment.fingerprint, edit.yaw_deg, edit.background_fov_deg, edit.background_blur_deg)
-        irises = sum(len(face.corneas()) for face in self._faces)
-        mirrored = (name_of_mirrored(environment), edit.yaw_deg) if irises else None
-        shadows = sum(face.prepare(tier).found.foreign_shadow is not None for face in self._faces)
-        scene = Scene(
-            tier, light.name, light.bound, backdrop, environment.level, light.lamps, mirrored, irises, shadows
-        )
+        # The scene takes the faces apart, since only then it is known whether a shadow falls on one.
+        was_apart = self._first().knows_surface(tier_of(edit.quality))
+        light = self._serving(environment, edit)
+        scene = self._scene(environment, edit, light)
 
         def is_kept(stage: str, key: Hashable) -> bool:
-            # Whether a shadow falls on a face is known only once that is taken apart.
             return was_apart if stage == "delight" else any(cache.has(stage, key) for cache in caches)
 
         return make_plan(scene, edit, is_kept, self._record.typical_ms), light
+
+    def _serving(self, environment: Environment, edit: Edit) -> ServingLight:
+        """The light itself, or one that is kept and nearly the same, with the small lamps of the former."""
+        radiance = network_light(environment, edit.yaw_deg)
+        if self._whole.monochrome:
+            radiance = without_colour(radiance)
+        light = self._lights.match(tier_of(edit.quality), radiance, 0.0 if edit.forced_on else edit.tolerance)
+        return replace(light, lamps=lamps_of(environment, edit.yaw_deg))
+
+    def _scene(self, environment: Environment, edit: Edit, light: ServingLight) -> Scene:
+        """What the plan reads besides the edit."""
+        tier, backdrop = tier_of(edit.quality), None
+        if edit.background == "light":
+            backdrop = (environment.fingerprint, edit.yaw_deg, edit.background_fov_deg, edit.background_blur_deg)
+        irises = sum(len(face.corneas()) for face in self._faces)
+        return Scene(
+            tier=tier,
+            light=light.name,
+            light_bound=light.bound,
+            backdrop=backdrop,
+            level=environment.level,
+            lamps=light.lamps,
+            mirrored=(name_of_mirrored(environment), edit.yaw_deg) if irises else None,
+            irises=irises,
+            in_foreign_shadow=sum(face.prepare(tier).found.foreign_shadow is not None for face in self._faces),
+        )
 
     def _first_change(
         self, serving: ServingLight, plan: Plan, edit: Edit, level: float
