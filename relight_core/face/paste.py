@@ -1,4 +1,8 @@
-"""A crop's maps where its pixels lie in the photo, a band of rows at a time."""
+"""Resampling between a crop, a picture of the whole photo, and another crop.
+
+A map of a crop covers its square, a map of the photo all of it, both at any resolution. Whole pictures are made a band
+of rows at a time, and what a pixel gets does not depend on how they are cut into bands.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +15,7 @@ from relight_core.face.crop import Crop
 from relight_core.imaging.ramp import smooth_ramp
 
 _WIDTH_OF_BEYOND = 4.0
+"""Over how many times what lies beyond a view's edge the view fades toward it, at the most."""
 
 
 @dataclass(frozen=True)
@@ -77,10 +82,9 @@ def window_of(crop: Crop, photo_size: tuple[int, int], size: tuple[int, int]) ->
 
 
 def spread_window(maps: np.ndarray, window: tuple[float, float, float, float], band: Band) -> np.ndarray:
-    """Maps that cover a window of the photo, bilinearly at every pixel of a band; edges continue outward.
+    """Maps that cover a window of the photo, resampled bilinearly at every pixel of a band; edges are replicated.
 
-    What a pixel gets does not depend on how the picture is cut into bands. In a picture smaller than the
-    photo the window is rounded to whole pixels of the picture.
+    In a picture smaller than the photo the window is rounded to whole pixels of the picture.
 
     Args:
         maps: (h, w) or (h, w, C).
@@ -115,7 +119,11 @@ def spread_window(maps: np.ndarray, window: tuple[float, float, float, float], b
 
 
 def spread_crop(maps: np.ndarray, crop: Crop, band: Band) -> np.ndarray:
-    """Maps (s, s, C) of a crop, bilinearly at every pixel of a band; edges continue outward."""
+    """Maps (s, s, C) of a crop, resampled bilinearly at every pixel of a band; edges are replicated.
+
+    Returns:
+        (rows, columns, C) float32.
+    """
     if crop.roll_deg == 0:
         return spread_window(maps, crop.window, band)
     matrix = crop.from_photo_matrix(maps.shape[0])
@@ -130,7 +138,8 @@ def spread_crop(maps: np.ndarray, crop: Crop, band: Band) -> np.ndarray:
         flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
         borderMode=cv2.BORDER_REPLICATE,
     )
-    # Places are rounded to fractions of a pixel from the first column on, so that one is always the same.
+    # OpenCV rounds positions to fractions of a pixel, counted from the first column: all columns are made, and then
+    # cut, so that a pixel is the same in every band.
     return wide[:, slice(*band.span)]
 
 
@@ -146,8 +155,13 @@ def unit_matrix(crop: Crop, size: tuple[int, int], photo_size: tuple[int, int]) 
     return matrix * np.array([photo_size[1] / size[1], photo_size[0] / size[0], 1.0])
 
 
-def nearer(view: Crop, band: Band, nearest: np.ndarray) -> np.ndarray:
-    """(h, w) where a view's middle is nearer than `nearest`, in sides of the view; that is brought up to date."""
+def update_nearest(view: Crop, band: Band, nearest: np.ndarray) -> np.ndarray:
+    """Where a view's middle is nearer than that of any view before, (h, w) bool.
+
+    Args:
+        nearest: (h, w) float32, the distance to the nearest middle so far, in sides of that view (Chebyshev distance);
+            lowered in place to this view's.
+    """
     matrix = unit_matrix(view, band.size, band.photo_size)
     y = np.arange(band.top, band.bottom, band.step, dtype=np.float64)[:, None] + 0.5
     x = np.arange(*band.span, dtype=np.float64)[None, :] + 0.5
@@ -162,9 +176,10 @@ def nearer(view: Crop, band: Band, nearest: np.ndarray) -> np.ndarray:
 
 
 def seen_across(view: Crop, size: int, maps: np.ndarray, other: Crop, into: np.ndarray | None = None) -> np.ndarray:
-    """Another view's maps (s, s, C), bilinearly at the places of a view's maps, (size, size, C); edges continue.
+    """Another view's maps (s, s, C), resampled bilinearly onto a view's grid, (size, size, C); edges are replicated.
 
     Args:
+        view, other: where in the photo the result and the maps lie.
         into: float32 of the result's shape, to be filled with it.
     """
     matrix = _square(other.from_photo_matrix(maps.shape[0])) @ _square(_to_photo(view, size))
@@ -174,9 +189,10 @@ def seen_across(view: Crop, size: int, maps: np.ndarray, other: Crop, into: np.n
 def seen_from(
     view: Crop, size: int, maps: np.ndarray, photo_size: tuple[int, int], into: np.ndarray | None = None
 ) -> np.ndarray:
-    """Maps over the whole photo, (h, w) or (h, w, C), bilinearly at the places of a view's maps of `size`.
+    """Maps over the whole photo, (h, w) or (h, w, C), resampled bilinearly onto a view's grid of size x size.
 
     Args:
+        photo_size: (height, width).
         into: as of `seen_across`.
     """
     to_maps = np.diag([maps.shape[1] / photo_size[1], maps.shape[0] / photo_size[0], 1.0])
@@ -184,7 +200,12 @@ def seen_from(
 
 
 def places_of(size: tuple[int, int], extent: tuple[int, int]) -> np.ndarray:
-    """(h, w, 2), x and y of the middles of a grid's cells, [0, extent], which is (height, width) as the size is."""
+    """(h, w, 2) x and y of the centres of the cells of a grid.
+
+    Args:
+        size: (h, w), the grid's.
+        extent: (height, width) of what it covers, in whose units the positions are.
+    """
     y, x = ((np.arange(count) + 0.5) * length / count for count, length in zip(size, extent, strict=True))
     return np.stack(np.meshgrid(x, y), axis=-1)
 
@@ -197,12 +218,16 @@ def across_and_down(crop: Crop, size: tuple[int, int], photo_size: tuple[int, in
 
 
 def fade(position: np.ndarray, width: float, before: float = np.inf, after: float = np.inf) -> np.ndarray:
-    """1 inside [0, 1], falling smoothly to 0 toward the low and the high end over `width`; 0 outside.
+    """Weights of a view along an axis: 1 inside, falling smoothly to 0 over `width` toward both ends of [0, 1].
 
     Args:
-        before, after: how much there is beyond the low and the high end, in units of the position. Little is met by a
-            fading of four times that, so that what is cut off by a pixel looks nearly as if nothing were; where there
-            is nothing, nothing fades.
+        position: of any shape; the view is [0, 1].
+        before, after: how much of the photo lies beyond the low and the high end, in units of the position. An end
+            fades over four times that at the most: where a single pixel lies beyond, hardly any of the view fades, and
+            where nothing does, none.
+
+    Returns:
+        float32 of the position's shape, in [0, 1].
     """
     position, result = np.asarray(position), np.ones(np.shape(position))
     for inward, beyond in ((position, before), (1.0 - position, after)):

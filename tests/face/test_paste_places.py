@@ -7,13 +7,13 @@ from relight_core.face.crop import Crop
 from relight_core.face.paste import (
     Band,
     all_of,
-    nearer,
     places_of,
     seen_across,
     seen_from,
     spread_crop,
     spread_window,
     unit_matrix,
+    update_nearest,
     window_of,
 )
 
@@ -71,12 +71,12 @@ def test_the_window_about_a_crop_has_all_of_it_that_lies_in_the_photo():
 @pytest.mark.parametrize("roll_deg", [0.0, 1e-9])
 def test_each_pixel_is_of_the_view_whose_middle_is_nearest_in_its_sides(roll_deg):
     band, nearest = all_of(SIZE, SIZE), np.full(SIZE, np.inf, np.float32)
-    assert nearer(Crop(40.0, 40.0, 40.0, roll_deg), band, nearest).all()
+    assert update_nearest(Crop(40.0, 40.0, 40.0, roll_deg), band, nearest).all()
     np.testing.assert_allclose(nearest[[40, 40, 60], [40, 60, 45]], [0.0125, 0.5125, 0.5125], atol=1e-5)
-    won = nearer(Crop(80.0, 40.0, 20.0, roll_deg), band, nearest)
+    won = update_nearest(Crop(80.0, 40.0, 20.0, roll_deg), band, nearest)
     np.testing.assert_array_equal(np.flatnonzero(won[40]), np.arange(67, 120))
     assert nearest[40, 80] == pytest.approx(0.025, abs=1e-5)
-    assert not nearer(Crop(80.0, 40.0, 20.0, roll_deg), band, nearest).any()
+    assert not update_nearest(Crop(80.0, 40.0, 20.0, roll_deg), band, nearest).any()
 
 
 @pytest.mark.parametrize("view", CROPS)

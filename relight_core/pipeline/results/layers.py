@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from relight_core.face.crop import Crop
-from relight_core.face.paste import all_of, bands, nearer
+from relight_core.face.paste import all_of, bands, update_nearest
 from relight_core.imaging.in_order import in_order
 from relight_core.imaging.masks import bounds
 from relight_core.imaging.resampling import at_size, resize_cut_out, shrunk_size
@@ -144,7 +144,7 @@ def _channel(
         placed = _placed(name, faces[0][0][name], faces[0][1], photo_size, size, everywhere)
         return _of_unit_length(name, placed)
     band, nearest = all_of(size, photo_size), np.full(size, 0.5, np.float32)
-    inside = [nearer(view, band, nearest) for _, view in faces]
+    inside = [update_nearest(view, band, nearest) for _, view in faces]
     layer = np.zeros((*size, *faces[0][0][name].shape[2:]), np.float32)
     for (channels, view), chosen in zip(faces, inside, strict=True):
         part = bounds(chosen)

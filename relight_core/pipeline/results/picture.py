@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from relight_core.face.crop import Crop
-from relight_core.face.paste import Band, bands, nearer, spread_crop, spread_window, whole_photo
+from relight_core.face.paste import Band, bands, spread_crop, spread_window, update_nearest, whole_photo
 from relight_core.imaging.in_order import in_order
 from relight_core.imaging.masks import bounds
 from relight_core.imaging.photo import with_black, without_black
@@ -243,7 +243,7 @@ class Picture:
 
     def _relit_by_views(self, colour: np.ndarray, band: Band, gloss: bool) -> np.ndarray:
         nearest = np.full(colour.shape[:2], 0.5, np.float32)
-        inside = [nearer(placed.view, band, nearest) for placed in self.changes]
+        inside = [update_nearest(placed.view, band, nearest) for placed in self.changes]
         if len(inside) == 1 and inside[0].all():
             return self._within(self.changes[0], colour, band, gloss)
         relit = spread_window(self.rest, whole_photo(self.canvas.photo_size), band)
