@@ -1,4 +1,4 @@
-"""The person's matte, and the person's own colour where the matte is soft."""
+"""The person's matte (alpha), and the person's own colour (the foreground's, not premultiplied) where it is soft."""
 
 from __future__ import annotations
 
@@ -26,27 +26,34 @@ WORKING_PX = 1024
 """The longest side of the copy in which mattes are made."""
 
 _FUSION_PX = 512
+"""The longest side of the maps of both sides' mean colours."""
 _NEAR_SHARE = 0.015
+"""The deviation of the blur behind `Matte.nearby`, as a share of its longest side."""
 _LEAST_OWN = 0.5
+"""The share of the person's mean colour that each channel of their own colour has at the least."""
 _EDGE_CODES = 3.0
+"""Steps of the guide, in 255ths, that are an edge to the guided filter and no noise."""
 _EDGE_WINDOWS = 128
+"""The longest side of a picture over the radius of the guided filter that moves edges."""
 
 
 @dataclass(frozen=True, eq=False)
 class Matte:
     """How much of each pixel is person, and what colour that part has, at any resolution.
 
-    Small maps that any pixel of the photo is put into, so that no full-size result needs to be kept.
+    Small maps from which the matte and the colour of any pixel of the photo are computed where they are needed, so
+    that no full-size result has to be kept.
 
     Attributes:
-        slope, level: (h, w): the matte is slope * guide + level, limited to [0, 1] (see `guide_of`).
-        person, behind: (k, l, 3) linear, mean colours of both sides about each place.
+        slope, level: (h, w): the matte is slope * guide + level, clipped to [0, 1], with the guide at the resolution
+            that is asked for (see `guide_of`).
+        person, behind: (k, l, 3) linear, mean colours of the foreground and the background around each place.
         nearby: (k, l) the matte averaged about each place.
         own_alpha: whether the photo's own alpha is the matte; then the maps say nothing.
         exposure: edges are looked for in the photo times this, see `exposure_about_faces`.
         inside: what of the photo, no longer than WORKING_PX, lies within a frame (see `photo_frame.inside_frame`);
             None where there is no frame.
-        ends: the same to a pixel of the photo, if that is longer; beyond it nobody is who isn't painted there.
+        ends: the same in pixels of the photo, if that is longer; beyond it there is nobody but who is painted there.
         beyond: (h, w) in [0, 1], how much of a person is painted beyond it; None for nothing.
     """
 
@@ -69,21 +76,26 @@ def guide_of(linear: np.ndarray) -> np.ndarray:
 
 
 def own_colour(linear: np.ndarray, share: np.ndarray, person: np.ndarray, behind: np.ndarray) -> np.ndarray:
-    """The person's own colour where the matte is soft: what the mix of both sides leaves goes to the person.
+    """The person's own colour where the matte is soft (the foreground of the compositing equation).
 
-    No share of the two makes a pixel that is darker than both, as hair between skin and a wall is where the matte has
-    it by half. There both count as darker by as much; else only the strongest channel would be left to the person.
-    Where a strand before a bright sky is more of a pixel than the matte has, nothing would be left, or one channel:
-    no channel falls below half of the person's mean colour, as far as the pixel has so much.
+    A pixel is a mix, by the matte, of the mean colours of both sides, plus a remainder; that is added to the person's
+    mean colour in proportion to the matte. Two cases need more than that:
+
+    - A pixel darker than both means is no mix of them, such as hair between skin and a wall where the matte is one
+      half. Both means are dimmed first, until the darker one is as dark as the pixel; else clipping at 0 would leave
+      the person nothing but the strongest channel.
+    - Where a strand before a bright sky covers more of a pixel than the matte says, the remainder would take away all
+      of the colour, or all but one channel. No channel falls below half of the person's mean, as far as the pixel
+      holds so much.
 
     Args:
         linear: (h, w, 3), pixels of the photo.
-        share: (h, w) the matte there.
-        person, behind: (h, w, 3) mean colours of both sides.
+        share: (h, w) the matte there, [0, 1].
+        person, behind: (h, w, 3) linear, mean colours of the foreground and the background.
 
     Returns:
-        (h, w, 3) linear, >= 0, its share no brighter than the pixel; the pixels themselves where the matte is
-        0 or 1.
+        (h, w, 3) linear, >= 0, not premultiplied; times the matte it is no brighter than the pixel. Where the matte is
+        0 or 1, the pixels themselves.
     """
     soft = np.flatnonzero((share > 0.0) & (share < 1.0))
     if not soft.size:
@@ -135,11 +147,11 @@ def draft_matte(
 ) -> DraftMatte | None:
     """Carry coarse person masks to the whole photo; None where the photo's own alpha is the matte.
 
-    Where a person may be follows from the masks, beyond their views from how bodies hang together, and from the
-    colours of what is surely person and surely not (`likely_person`); of a frame's colours nothing is learnt.
-    Closed-form matting makes a soft matte of that in a small copy, what hangs together with nobody is taken out of it,
-    and gaps within somebody are closed. Strands of hair are told from what is behind them. Costs some tenths of a
-    second: once per photo.
+    The masks, a prior on bodies beyond their views, and colours say where a person probably is (`likely_person`);
+    nothing is learnt from a frame's colours. Closed-form matting (Levin, Lischinski and Weiss 2008) makes a soft matte
+    of that in a small copy; what is connected to nobody is taken out of it, and gaps within somebody are closed
+    (`first_matte`). Strands of hair are separated from what is behind them (`strands`). Takes some tenths of a second,
+    once per photo.
 
     Args:
         look: gives what networks see; not asked where the photo is cut out.
@@ -180,10 +192,10 @@ def _ends(linear: np.ndarray, exposure: float | np.ndarray, inside: Inside, smal
 def _within(
     inside: Inside | None, corners: np.ndarray | None, share: np.ndarray, beyond: np.ndarray | None = None
 ) -> np.ndarray:
-    """A matte (h, w) in which nobody goes on into a frame, or into the filled corners (h, w) of a turned photo.
+    """A matte (h, w) that is 0 in a frame, and in the filled corners (h, w) of a turned photo.
 
     Args:
-        beyond: (h, w) what there is in a frame instead of nobody.
+        beyond: (h, w) the matte in the frame, in place of 0.
     """
     if corners is not None:
         share = np.where(corners, np.float32(0), share)
@@ -197,17 +209,17 @@ def _within(
 def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) -> Matte:
     """Let the strokes of a brush correct a draft, and move its edges onto the photo's.
 
-    A guided filter (He, Sun and Tang 2013) does the latter, so that a stroke need not follow an edge by the pixel;
-    one that is thinner than the filter's window, which would average it away, stays where it was painted. Where nobody
-    painted, strands of hair are put in. Outlines that are out of focus end as softly as in the photo. The photo's own
-    alpha, of which there is no draft, is left as it is.
+    A guided filter (He, Sun and Tang 2013) does the latter, so that a stroke need not follow an edge to the pixel. A
+    stroke thinner than the filter's window, which would average it away, stays where it was painted. Strands of hair
+    are put in where nobody painted, and outlines that are out of focus end as softly as in the photo. The photo's own
+    alpha, for which there is no draft, is left as it is.
     """
     if draft is None:
         nothing, black = np.zeros((1, 1), np.float32), np.zeros((1, 1, 3), np.float32)
         return Matte(nothing, nothing, black, black, nothing, True)
     small, guide = draft.small, draft.guide
     coarse = painted(draft.share, strokes, draft.photo_size)
-    # Where somebody is as white as the frame, filters would let them fade out about its edge, half of that on them.
+    # Filters must not see a frame: somebody as white as it is would fade out across its edge.
     go_on = partial(_going_on, draft.inside)
     share = _on_edges(go_on(guide), go_on(coarse), strokes, draft.photo_size)
     share = _within(draft.inside, None, share, coarse)
@@ -232,7 +244,7 @@ def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) 
 
 
 def _painted_beyond(inside: Inside | None, share: np.ndarray) -> np.ndarray | None:
-    """What of a matte (h, w) lies in a frame, and goes on from there for a cell; None for nothing."""
+    """What of a matte (h, w) was painted into a frame, continued by one cell out of it; None for nothing."""
     if inside is None:
         return None
     beyond = share.copy()
