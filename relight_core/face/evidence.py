@@ -9,9 +9,11 @@ from relight_core.face.parsing import BROWS, EYES, FACE_LABELS, INDEX, MOUTH
 
 _FEATURES = (BROWS, (*EYES, "glasses"), MOUTH)
 _LEAST_SHARE, _LEAST_SUSPECTED = 0.003, 0.0045
+"""Shares of the crop that a feature fills: as labels, and as the mean of its probability."""
 _LEAST_STEPS = (0.01, 0.12)
+"""By how much of the crop's side eyes lie below brows, and a mouth below either."""
 _HIGHEST, _LOWEST = 0.1, 0.9
-"""Where in the crop brows, eyes and mouth may lie; those of faces lie between 0.2 and 0.8."""
+"""Where in the crop brows, eyes and mouth may lie, from its top; those of faces lie between 0.2 and 0.8."""
 _MIDDLE, _LEAST_FACE = 0.225, 0.45
 """Share of the crop's side to each side of its middle, and how much of that is face where there is one: nearly all of
 it, two thirds at a photo's edge, half in profile."""

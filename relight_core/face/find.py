@@ -25,32 +25,42 @@ from relight_core.imaging.photo import Photo
 from relight_core.imaging.resampling import resize_area
 
 _LONG_SIDE_PX = 800
-_WHITE_PERCENTILE, _AGAINST_LIGHT_PERCENTILES = 99.0, (50.0, 25.0)
-"""Of a photo's brightness: what cascades see as white, and where a face before a bright sky or window is too dark."""
-_LONG_SIDE_FOR_SMALL_PX = 2800
-_LONG_SIDE_FOR_SMALL_TURNED_PX = 1400
-_SHRUNK_FOR_SMALL = 0.7
-"""Cascades see heads from 28 pixels on; nobody relights one that is smaller than 40 in the photo."""
-
+"""Length of the copy of a photo in which faces are looked for first."""
+_LEAST_SIDE_PX = 24
+"""A copy that is narrower has no room for the window of a cascade."""
 _LARGEST_GROWTH = 3.0
+"""By how much a small photo is enlarged for the cascades, at the most."""
+_WHITE_PERCENTILE, _AGAINST_LIGHT_PERCENTILES = 99.0, (50.0, 25.0)
+"""Percentiles of a photo's luminance that cascades see as white: usually, and where a face stands before a bright sky
+or window and would be too dark."""
 _BEYOND_DOUBT_VOTES = 40
+"""Hits of all cascades together from which on nobody else needs to be asked."""
 _LARGE, _BESIDE_LARGE = 0.25, 0.1
-"""Widths in lengths of the photo: of a face that makes it a portrait, and of heads that are looked for beside such."""
-
+"""Widths as shares of the photo's longer side: of a face that makes it a portrait, and of the smallest heads that are
+looked for beside one."""
 _TILTS_DEG = (-30.0, 30.0)
+
+_LONG_SIDE_FOR_SMALL_PX, _LONG_SIDE_FOR_SMALL_TURNED_PX = 2800, 1400
+"""Lengths of the copies in which small faces are looked for: upright ones, and those in profile or leaning."""
+_SHRUNK_FOR_SMALL = 0.7
+"""The copy's scale at the most: cascades see heads from 28 pixels on, and nobody relights one below 40 of the photo."""
+
 _ALL_TILTS_DEG = (0.0, -30.0, 30.0, -60.0, 60.0, -90.0, 90.0, -120.0, 120.0, -150.0, 150.0, 180.0)
 _LONG_SIDE_FOR_GUESSES_PX = 400
-_MOST_GUESSES = 16
-_MOST_PROFILE_GUESSES = 3
+_MOST_GUESSES, _MOST_PROFILE_GUESSES = 16, 3
 _SAME_PLACE = 0.3
+"""Intersection over union from which on two guesses at one angle are one."""
 _FILLING_SHARE = 0.9
+"""Width of a face that fills the photo, as a share of its shorter side."""
+
 _LONG_SIDE_FOR_COMPANIONS_PX = 500
 _LARGEST_ALONE, _LARGEST_LYING_ALONE = 0.13, 0.25
-"""Widths in lengths of the photo, from which on one face leaves no room for others. Of upright ones the first search
-would have seen several; of those that lie or stand on their heads it settles for one."""
-
+"""Widths as shares of the photo's longer side above which one face leaves no room for others: of an upright face, for
+which the first search would have seen several, and of one that lies or is upside down, where it settles for one."""
 _LIKE_COMPANIONS = (0.5, 1.6)
+"""Widths of companions, in widths of the largest known face."""
 _BESIDE = 0.65
+"""Boxes whose middles are nearer than this, in widths and heights of the known one, are of one face."""
 
 _known: WeakKeyDictionary[Photo, list[FaceBox]] = WeakKeyDictionary()
 _finding = threading.Lock()
@@ -139,7 +149,7 @@ def find_small_faces(photo: Photo) -> list[FaceBox]:
         (_turned_away, _LONG_SIDE_FOR_SMALL_TURNED_PX),
     ):
         grey, scale = _detection_view(photo.linear, min(long_side_px, most), 1.0)
-        if min(grey.shape) >= 24 and (found := look(grey)):
+        if min(grey.shape) >= _LEAST_SIDE_PX and (found := look(grey)):
             faces = _boxes(found, scale)
             remember_faces(photo, faces)
             return faces
@@ -160,7 +170,7 @@ def guess_faces(photo: Photo) -> list[FaceBox]:
         angles. The last is a face that fills the photo, of which cascades see too little.
     """
     grey, scale = _detection_view(photo.linear, _LONG_SIDE_FOR_GUESSES_PX, _LARGEST_GROWTH)
-    if min(grey.shape) < 24:
+    if min(grey.shape) < _LEAST_SIDE_PX:
         return []
     hits = _when_turned(every_hit, grey, _ALL_TILTS_DEG)
     # The cascade for profiles sees fewer and would always be outvoted: its best come first.
@@ -176,9 +186,9 @@ def guess_faces(photo: Photo) -> list[FaceBox]:
 def guess_companions(photo: Photo, known: Sequence[FaceBox]) -> list[FaceBox]:
     """Where there might be more faces beside known ones, for a better judge to choose from.
 
-    Only in photos that have room for others: where several faces are known already, or the largest is small. Faces of
-    about their size, upright, from the side or leaning by up to 45 degrees, that cascades hit however seldom; in a
-    photo that lies or stands on its head, as its largest face does.
+    Only in photos that have room for others: where several faces are known already, or the largest is small. What
+    cascades hit however seldom counts, if it is about as large as the known faces, upright, from the side or leaning by
+    up to 45 degrees. In a photo that lies or is upside down all of this is relative to its largest face.
 
     Returns:
         At most 16, the likeliest first, none where a known face is.
@@ -191,7 +201,7 @@ def guess_companions(photo: Photo, known: Sequence[FaceBox]) -> list[FaceBox]:
     if len(known) == 1 and largest > (_LARGEST_LYING_ALONE if lies_deg else _LARGEST_ALONE) * long_side:
         return []
     grey, scale = _detection_view(photo.linear, _LONG_SIDE_FOR_COMPANIONS_PX, _LARGEST_GROWTH)
-    if min(grey.shape) < 24:
+    if min(grey.shape) < _LEAST_SIDE_PX:
         return []
     looks = [(every_hit, 0.0), (every_profile_hit, 0.0), *((every_hit, tilt_deg) for tilt_deg in _TILTS_DEG)]
     hits = [hit for look, tilt_deg in looks for hit in _when_turned(look, grey, (tilt_deg - lies_deg,))]
@@ -212,7 +222,7 @@ def _in_the_same_place(guess: FaceBox, known: FaceBox) -> bool:
 
 def _search(photo: Photo, is_face: Judge) -> list[FaceBox]:
     grey, scale = _detection_view(photo.linear, _LONG_SIDE_PX, _LARGEST_GROWTH)
-    if min(grey.shape) < 24:
+    if min(grey.shape) < _LEAST_SIDE_PX:
         return []
     long_side = max(grey.shape)
     found = frontal_candidates(grey, max(round(_BESIDE_LARGE * long_side), SMALLEST_PX))

@@ -19,22 +19,30 @@ from relight_core.face.parsing import EYES, INDEX
 from relight_core.imaging.colour import luminance, srgb_encode
 
 _HALF_PX, _SIDE_PX = 40, 176
-"""Half an eye's width, and the square about it, where irises are looked for."""
+"""Half an eye's width in the square view in which an iris is looked for, and that view's side."""
 _RADII_PX = np.arange(11.0, 23.5)
-_USUAL_RADIUS, _RADIUS_DOUBT, _RADIUS_WEIGHT = 0.45, 0.16, 0.12
-"""An iris in half-widths of its eye as the parsing sees that; how far it may be off; and how much that counts."""
+"""Radii of irises that are tried in that view."""
+_USUAL_RADIUS, _RADIUS_DOUBT = 0.45, 0.16
+"""An iris's radius in half-widths of its eye as the parsing sees that, and by how much it may be off."""
 _ARC_DEG = (-25.0, 50.0)
-"""Which part of each side is asked, from above the middle to below it."""
+"""The part of each side of an iris's edge that is looked at, from above its middle to below: lids cover the rest."""
 _STEP_PX, _RING_PX = 2.0, 1.5
+"""How far outside and inside of an iris's edge brightness is compared, and half the width of the rings there."""
 _SPECK_PX = 9
-"""Catchlights are smaller, and would be edges of their own."""
+"""Catchlights are smaller, and would be edges of their own: what is brighter and as small is taken out."""
 _OFF_MIDDLE = (0.75, 0.25)
 """Half-widths of an eye to the side and up or down that an iris may be off its middle. Further up are lashes and brows.
 """
-_DARKNESS, _BOTH_SIDES = 0.5, 0.25
-_LEAST_EDGE, _LEAST_BESIDE, _LEAST_SCORE, _LEAST_RADIUS_PX = 0.2, 0.1, 0.5, 5.0
-"""Of the brightness around, on the fainter side: of an iris, and of one beside another that is made out. With all else
-that speaks for an iris, or there is a veil, or hair, and the other eye is doubtful too. And pixels of the photo."""
+
+_BOTH_SIDES, _DARKNESS, _RADIUS_WEIGHT = 0.25, 0.5, 0.12
+"""Weights in the score, beside the contrast of the edge's fainter side: of both sides' mean contrast, of how dark the
+disc is, and of how unusual the radius is."""
+_LEAST_SCORE = 0.5
+"""The score both eyes need at the least: else there is a veil, or hair, and the other eye is doubtful too."""
+_LEAST_EDGE, _LEAST_BESIDE = 0.2, 0.1
+"""Contrast that the edge's fainter side needs, as a share of the brightness around: of one iris, and of the other."""
+_LEAST_RADIUS_PX = 5.0
+"""Pixels of the photo."""
 
 
 @dataclass(frozen=True)
