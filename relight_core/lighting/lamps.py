@@ -3,6 +3,11 @@
 The light that the networks read has texels of 11 degrees, so that a sun in it is as soft as a window. Here the
 places that are smaller than that are found in the panorama itself, with their direction, size and strength.
 Nothing switches: a lamp that is enlarged, or dimmed against the rest, loses its `hardness` by degrees.
+
+How: bright peaks are centred (`_places`). Each is then measured as a disc (`_measured`): what stands out within
+AROUND_DEG of its centre from the mean of the ring beyond, up to `_FARTHEST_DEG`, is the lamp's light; the second
+moment of that light gives the radius. Where lamps are close together, light is shared between them (`_claims`), and
+no lamp is part of another's ring.
 """
 
 from __future__ import annotations
@@ -21,18 +26,28 @@ from relight_core.lighting.roll import roll_light
 from relight_core.lighting.sphere import directions, place_on_map, solid_angles, turned
 
 _ROWS = 128
+"""Rows of the panorama in which lamps are sought, at the most."""
 MOST_LAMPS, _ROUNDS = 4, 8
 """Lamps of a light, and bright places that are looked at for them: specks are brighter than many a sun."""
-_AHEAD, _NO_HARDNESS = 1.25, 1e-3
+_AHEAD = 1.25
+"""A lamp that gives less than so many times what the first one left out gives loses hardness."""
+_NO_HARDNESS = 1e-3
+
 _CORE_DEG, AROUND_DEG, BEYOND_DEG = 6.0, 12.0, 18.0
-"""How far from its middle a lamp reaches in full, how far at most, and up to where its surroundings count."""
+"""How far from its centre a lamp's light counts in full, and how far at most; and up to where the ring around it, whose
+mean is the background that it stands out from, counts in full."""
 _FARTHEST_DEG = 2 * BEYOND_DEG - AROUND_DEG
+"""Where that ring ends."""
 _NEAR_DEG, _CENTRINGS = (3.0, 6.0), 6
-"""How far off light counts in full, and at all, where a place's middle is sought, so many times over."""
+"""How far off light counts in full, and at all, when a peak is moved to the centroid of the light about it, and how
+often that is done."""
 
 _DIMMEST = 4.0
+"""Radiance of the dimmest peak, in means of the sphere."""
 _RADIUS_DEG = (7.5, 4.0)
+"""Radii from which down on a lamp counts as small, in part and altogether."""
 _SHARE = (0.02, 0.06)
+"""Shares of all light that a lamp gives from which on it counts, in part and altogether."""
 
 
 @dataclass(frozen=True)
@@ -41,11 +56,11 @@ class Lamp:
 
     Attributes:
         toward: unit vector, camera space.
-        radius_deg: of a disc as spread out as it is.
-        irradiance: that it gives a surface facing it, over pi.
+        radius_deg: of the even disc whose light has the same second moment.
+        irradiance: that it gives a surface facing it, over pi, >= 0.
         hardness: in (0, 1], how far it counts as small; 0 would be a window or next to no light.
-        alone: the light without anything else in it, before it was turned; None for an even disc.
-        yaw_deg: how far it has been turned since.
+        alone: this lamp as a light of its own, before it was turned; None for an even disc.
+        yaw_deg: by how much the lamp has been turned since.
     """
 
     toward: tuple[float, float, float]
@@ -80,11 +95,11 @@ def bright_places(environment: Environment) -> tuple[Lamp, ...]:
 
 
 def footprint(lamp: Lamp, roll_deg: float = 0.0) -> np.ndarray:
-    """Where a lamp's light lies in the light that the networks read, (16, 32) float32, sum 1.
+    """How a lamp's power is spread over the texels of the light that the networks read, (16, 32) float32, sum 1.
 
-    As `network_light` spreads it, of the very texels that it comes from: near a pole the smallest disc reaches farther
-    around than a sun's one texel. Where a view is turned, as `roll_light` spreads that once more; of a lamp that had
-    been turned before, it would lie in other texels than the light does.
+    The lamp's own texels go through `network_light`, as the whole light does, and for a turned view through
+    `roll_light` afterwards. Both orders and kernels must be the light's, or the lamp could not be subtracted from it:
+    near a pole, for example, the smallest disc reaches farther around than a sun's single texel.
 
     Args:
         lamp: in the camera space of the photo.
@@ -129,10 +144,11 @@ class _Sky:
     """A light where lamps are sought: n texels of a panorama, float64.
 
     Attributes:
-        grey: (n,) luminance.
+        grey: (n,) luminance of the radiance.
         toward: (n, 3) unit vectors.
-        areas: (n,) solid angles.
-        texel_deg_squared: (n,) height squared of the texels that the light there comes from, by shares of luminance.
+        areas: (n,) solid angles in steradians.
+        texel_deg_squared: (n,) squared height of the texels that the light there was drawn from, averaged by luminance
+            where a coarser map is a part of it.
     """
 
     grey: np.ndarray
@@ -149,7 +165,14 @@ class _Sky:
 
 @dataclass(frozen=True)
 class _Place:
-    """A bright place: its middle, the texels about it and how far they are off, and the light in its middle."""
+    """A bright place.
+
+    Attributes:
+        centre: (3,) unit vector.
+        near: (m,) indices of the texels within `_FARTHEST_DEG`.
+        off_deg: (m,) how far each of them is from the centre.
+        power: radiance times solid angle of what lies near the centre.
+    """
 
     centre: np.ndarray
     near: np.ndarray
@@ -175,6 +198,7 @@ def _grey(radiance: np.ndarray, rows: int) -> np.ndarray:
 
 
 def _find(shape: np.ndarray, coarser: tuple[np.ndarray, ...]) -> tuple[Lamp, ...]:
+    """`bright_places` of a light's shape (H, 2H, 3); `coarser` as of `Environment.coarser_parts`."""
     sky = _sky(shape, coarser)
     places = _places(sky)
     around = np.zeros((len(places), sky.grey.size))
@@ -183,10 +207,10 @@ def _find(shape: np.ndarray, coarser: tuple[np.ndarray, ...]) -> tuple[Lamp, ...
     of_none, lamps = np.prod(1 - around, axis=0), []
     for place, share, claim in zip(places, around, _claims(places, around), strict=True):
         near, beyond = place.near, _beyond(place.off_deg)
-        # What belongs to one lamp is no part of another's surroundings.
+        # What belongs to another lamp is left out of the ring. This one's own share in `of_none` is divided out.
         lamp, radiance = _measured(sky, near, claim[near], beyond * of_none[near] / np.maximum(1 - share[near], 1e-12))
-        # The corners of a window, of which the middle is another's, are no lamps of their own; and two lamps that
-        # share their light are as hard as if one had all of it.
+        # Measured once more as if no other place had a claim: a window's corners, whose middle is claimed by another
+        # place, are no small lamps, and two lamps that share their light are as hard as if one had all of it.
         whole, _ = _measured(sky, near, share[near], beyond)
         hardness = min(lamp.hardness, _smallness(whole.radius_deg)) * ramp(whole.irradiance / 4, *_SHARE)
         if hardness > 0:
@@ -197,8 +221,8 @@ def _find(shape: np.ndarray, coarser: tuple[np.ndarray, ...]) -> tuple[Lamp, ...
 def _places(sky: _Sky) -> list[_Place]:
     """Bright places, the brightest first.
 
-    The brightest texel of a disc may be at its rim, so that each is centred in the light about it: in so little of it
-    that two lamps which come near each other don't draw either's middle to the other.
+    The brightest texel of a disc may be at its rim, so each place is moved to the centroid of the light around it. Only
+    light within a few degrees counts for that, so that two lamps near each other don't draw each other's centres.
     """
     left, found = np.ones(sky.grey.size), []
     for _ in range(_ROUNDS):
@@ -221,16 +245,17 @@ def _places(sky: _Sky) -> list[_Place]:
 
 
 def _around(off_deg: np.ndarray) -> np.ndarray:
-    """How far what lies so far off a lamp's middle is of the lamp, [0, 1], without a kink where that begins."""
+    """Share of the light at a distance from a lamp's centre that is the lamp's, [0, 1]; smooth at both ends."""
     return 1 - smooth_ramp(off_deg, _CORE_DEG, AROUND_DEG)
 
 
 def _beyond(off_deg: np.ndarray) -> np.ndarray:
+    """Weight of the light at a distance from a lamp's centre in the background that it stands out from, [0, 1]."""
     return (1 - _around(off_deg)) * (1 - ramp(off_deg, 2 * AROUND_DEG - _CORE_DEG, _FARTHEST_DEG))
 
 
 def _claims(places: list[_Place], around: np.ndarray) -> np.ndarray:
-    """(places, n) how much of each texel is whose, [0, 1]; where several are near, by how much light they have."""
+    """(places, n) the share of each texel that is each place's, [0, 1]; several places share by their power."""
     weights = around * np.array([place.power for place in places]).reshape(-1, 1)
     return around * weights / np.maximum(weights.sum(0), 1e-12)
 
@@ -252,11 +277,14 @@ def _foremost(ranked: tuple[Lamp, ...]) -> tuple[Lamp, ...]:
 
 
 def _measured(sky: _Sky, near: np.ndarray, around: np.ndarray, beyond: np.ndarray) -> tuple[Lamp, np.ndarray]:
-    """What stands out around a place from what is beyond it: as one lamp, as hard as its size alone makes it; (m,).
+    """The light near a place above its background, as one lamp that is as hard as its size alone makes it.
 
     Args:
-        near: (m,) of the texels.
-        around, beyond: (m,) shares of them in [0, 1].
+        near: (m,) indices of the texels.
+        around, beyond: (m,) shares in [0, 1] of each that are the lamp's, and that count as its background.
+
+    Returns:
+        the lamp, and (m,) the luminance of its light in those texels.
     """
     grey, areas, toward = sky.grey[near], sky.areas[near], sky.toward[near]
     behind = (grey * areas * beyond).sum() / max((areas * beyond).sum(), 1e-12)
