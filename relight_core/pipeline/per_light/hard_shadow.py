@@ -1,12 +1,17 @@
 """Shadows with the edges that small lamps give them.
 
-The SS network sees a light in texels of 11 degrees and a relief marched as coarsely, and has learnt to hedge:
-what it says of a sun's shadow is right in the large, pale and soft at the edge. It knows whether there is a
-shadow, geometry knows where a shadow ends. So where a light has small lamps and the network sees their shadow, the
-same relief is asked again, finely and for exactly their direction and size, and its answer takes the place of the
-network's, with the light that lit skin throws into it (see `skin_bounce`). What is left there of the rest of the
-light is the small difference of two large numbers, all light and the hidden part of it; the less that is, the more
-the relief's word counts for it, too.
+The SS network sees a light in texels of 11 degrees and a relief marched as coarsely, and has learnt to hedge: a sun's
+shadow comes out in the right place, but pale, with a soft edge. The network knows whether there is a shadow, geometry
+knows where it ends. So where a light has small lamps and the network sees their shadow, the same relief is marched
+again, finely and for exactly their direction and size. The result replaces the network's, and light that lit skin
+throws into the shadow is added (`skin_bounce`).
+
+The light is split into its lamps and the rest of it. What arrives of the rest in a lamp's shadow is a small difference
+of two large numbers, all light and the hidden part of it; the smaller the rest is, the more the relief decides about
+that too.
+
+Throughout, a lamp's *part* is its share of all light where nothing is hidden, once for the diffuse light and once for
+the gloss, and *lost* is the share of its part that is hidden, which is the same for both.
 """
 
 from __future__ import annotations
@@ -39,11 +44,14 @@ from relight_core.pipeline.stages import Surface
 _SURE = 0.5
 """Share of a lamp's light that the network takes for hidden from which on geometry alone decides."""
 _DOUBT = 0.05
+"""What is added to both shares where the network's hidden light is divided among lamps: where the relief hides next to
+nothing of any, each gets its part."""
 _SMALL_REST = 0.2
-"""Share of all light that does not come from lamps for which network and relief are trusted alike."""
+"""The rest of the light, as a share of all, for which network and relief are trusted alike."""
 _NO_GLOSS, _NO_LIGHT = 1e-6, 1e-12
+"""Divisors are no smaller than that."""
 _GRAZING = 0.01
-"""Texels of 11 degrees give some of a lamp's light to what just faces away from it."""
+"""Added to a lamp's cosine: texels of 11 degrees give some of its light to what just faces away from it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,9 +62,8 @@ class LampsView:
         horizon: of its relief.
         bounce: from it to its skin.
         transport: of the same relief, as coarse as the network is told of it.
-        reflect: gives what the surface reflects of a light, as of `stages.reflect`. What a lamp gives is what its
-            texels give, and not what its cosine says: where light grazes the surface, texels of 11 degrees give it less
-            or more than that.
+        reflect: gives what the surface reflects of a light, as of `stages.reflect`. A lamp's irradiance is taken from
+            its texels of 11 degrees, as all light's is, and not from its cosine: at grazing angles the two differ.
         roll_deg: how far the view is turned in the photo, as `Crop.roll_deg`; the surface is turned already.
     """
 
@@ -123,13 +130,13 @@ def harden_shadow(
 
 @dataclass(frozen=True)
 class _Reach:
-    """How far the lamps of a light, and the rest of it, reach by the relief; maps (1, 1, S, S) in [0, 1].
+    """What the relief hides of each lamp, and of the rest of the light; maps (1, 1, S, S) in [0, 1].
 
     Attributes:
         lost: of each lamp, the share that is hidden, as coarsely as the network is told.
-        lost_finely: the same with its edges.
-        lost_rest: the share of the light without its lamps that is hidden.
-        decides: of each lamp, how far geometry may have the last word.
+        lost_finely: the same, marched finely, with edges.
+        lost_rest: the share of the rest of the light that is hidden.
+        decides: of each lamp, how far geometry may decide: as far as the lamp is hard and the place is bare skin.
     """
 
     lost: Sequence[torch.Tensor]
@@ -139,7 +146,7 @@ class _Reach:
 
     @cached_property
     def lost_as_decided(self) -> Sequence[torch.Tensor]:
-        """Of each lamp, the share that is hidden, with its edges as far as geometry has the last word."""
+        """Of each lamp, the share that is hidden, with edges as far as geometry may decide."""
         of_each = zip(self.lost, self.lost_finely, self.decides, strict=True)
         return [torch.lerp(soft, edgy, decides) for soft, edgy, decides in of_each]
 
@@ -149,9 +156,9 @@ class _Edged:
     """What is hidden of the diffuse light or of the gloss, with edges; maps (1, 1, S, S).
 
     Attributes:
-        hidden: the share that is, in [0, 1].
+        hidden: the share of all of it that is hidden, in [0, 1].
         by_relief: the share that the relief alone hides.
-        counts: of each lamp, how much more is hidden where all of its disc is than where none is.
+        counts: of each lamp, by how much more of all light is hidden where its whole disc is than where none of it is.
     """
 
     hidden: torch.Tensor
@@ -160,7 +167,11 @@ class _Edged:
 
 
 def _without(light: torch.Tensor, lamps: Sequence[Lamp], power: Sequence[torch.Tensor]) -> torch.Tensor:
-    """The light (1, 16, 32, 3) without its lamps; of a texel's colours all alike are taken."""
+    """The light (1, 16, 32, 3) without its lamps; each channel of a texel is dimmed by the same factor.
+
+    Args:
+        power: of each lamp, (16, 32) where its light lies, see `footprint`.
+    """
     radiance = grey(light.float().permute(0, 3, 1, 2))[0, 0]
     of_lamps = sum(share * (torch.pi * lamp.irradiance) for share, lamp in zip(power, lamps, strict=True))
     of_lamps = (of_lamps / torch.from_numpy(solid_angles(*radiance.shape))).to(radiance)
@@ -175,7 +186,7 @@ def _reach(
     lamps: Sequence[Lamp],
     power: Sequence[torch.Tensor],
 ) -> _Reach:
-    """How far lamps reach, and the `rest` of their light; `power` is where the light of each lies in its texels."""
+    """March the relief for the lamps and for the `rest` of their light, (1, 16, 32, 3); `power` as of `_without`."""
     like = surface.relief
     rest = grey(rest.float().cpu().permute(0, 3, 1, 2))[0, 0]
     lost_rest, *lost = 1 - view.transport.visibility(torch.stack([rest, *power]), like.shape[-1]).to(like)
@@ -184,14 +195,14 @@ def _reach(
 
 
 def _lost(parts: Sequence[torch.Tensor], lost: Sequence[torch.Tensor], reach: _Reach) -> torch.Tensor:
-    """Share of a light that the relief hides, (1, 1, S, S), of the `parts` of its lamps and what is `lost` of each."""
+    """Share of all light that the relief hides, (1, 1, S, S), from each lamp's part and what is `lost` of it."""
     return sum(part * share for part, share in zip(parts, lost, strict=True)) + _rest(parts) * reach.lost_rest
 
 
 def _share_seen(
     lamps: Sequence[Lamp], parts: Sequence[torch.Tensor], reach: _Reach, hidden: torch.Tensor
 ) -> torch.Tensor:
-    """How much of the lamps' light arrives, as far as geometry has a say in it, (1, 1, S, S) in [0, 1].
+    """Share of the lamps' light that arrives, as far as the lamps are hard, (1, 1, S, S) in [0, 1].
 
     Args:
         hidden: the share of all light that is hidden, which may be more than the relief knows of.
@@ -211,13 +222,13 @@ def _with_edges(hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Rea
 
     Args:
         hidden: (1, 1, S, S) the share that the network takes for hidden, in [0, 1].
-        parts: of each lamp, its share of what there were if nothing was hidden.
+        parts: of each lamp, see `_parts`.
     """
     edged, of_lamps, unlit, counts = hidden, torch.zeros_like(hidden), torch.zeros_like(hidden), []
     of_each = zip(_sure_of(hidden, parts, reach), parts, reach.lost, reach.lost_finely, strict=True)
     for (of_lamp, sure), part, soft, edgy in of_each:
         change = part * edgy - of_lamp
-        # A shadow that the relief knows nothing of, of a brim or a lock of hair, is not its to take away.
+        # The relief may deepen any shadow, but lighten only one that it has itself: not that of a brim or a lock.
         known = (soft / _SURE).clamp_max(1)
         edged = edged + sure * torch.where(change > 0, change, change * known)
         counts.append(sure * (part - (1 - known) * of_lamp))
@@ -231,7 +242,11 @@ def _with_edges(hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Rea
 def _sure_of(
     hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Reach
 ) -> list[tuple[torch.Tensor, torch.Tensor]]:
-    """Of each lamp, the part of what is hidden that is its light, and how far geometry has the last word about it."""
+    """For each lamp, how much of what the network hides is its light, and how far geometry decides about that.
+
+    Both (1, 1, S, S), the former as a share of all light and at most the lamp's part. The network says only how much is
+    hidden altogether; that is divided among the lamps and the rest as the relief hides each.
+    """
     lost, result = _lost(parts, reach.lost, reach), []
     for part, soft, decides in zip(parts, reach.lost, reach.decides, strict=True):
         of_lamp = torch.minimum(hidden * (part * (soft + _DOUBT) / (lost + _DOUBT)).clamp(0, 1), part)
@@ -240,11 +255,11 @@ def _sure_of(
 
 
 def _parts(given: Sequence[torch.Tensor], all_light: torch.Tensor, of_lamps: torch.Tensor) -> list[torch.Tensor]:
-    """(1, 1, S, S) in [0, 1] of each lamp: its share of all grey irradiance, or gloss, where nothing is hidden.
+    """Each lamp's share of all irradiance, or gloss, where nothing is hidden, (1, 1, S, S) in [0, 1].
 
     Args:
-        given: what each lamp gives by itself, > 0; only its share of all lamps counts.
-        all_light, of_lamps: irradiance or gloss of the light, and of its lamps alone.
+        given: what each lamp gives by itself, > 0, for the proportions between lamps alone.
+        all_light, of_lamps: luminance of the irradiance or gloss of the whole light, and of its lamps together.
     """
     share = (of_lamps / all_light.clamp_min(_NO_GLOSS)).clamp(0, 1)
     together = sum(given)
@@ -252,12 +267,14 @@ def _parts(given: Sequence[torch.Tensor], all_light: torch.Tensor, of_lamps: tor
 
 
 def _irradiance(lamps: Sequence[Lamp], surface: Surface) -> list[torch.Tensor]:
+    """Irradiance over pi that each lamp gives where nothing is hidden, (1, 1, S, S) > 0."""
     toward = [torch.tensor(lamp.toward, device=surface.normal.device)[:, None, None] for lamp in lamps]
     facing = [(surface.normal * direction).sum(1, keepdim=True).clamp_min(0) + _GRAZING for direction in toward]
     return [of_lamp * lamp.irradiance for of_lamp, lamp in zip(facing, lamps, strict=True)]
 
 
 def _gloss(lamps: Sequence[Lamp], surface: Surface) -> list[torch.Tensor]:
+    """Luminance of each lamp's highlight where nothing is hidden, (1, 1, S, S) > 0."""
     normal = surface.normal[0].float().flatten(1).T
     toward = normal.new_tensor([lamp.toward for lamp in lamps])
     power = normal.new_tensor([torch.pi * lamp.irradiance for lamp in lamps])
