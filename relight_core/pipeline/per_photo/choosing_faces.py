@@ -1,4 +1,12 @@
-"""Which places in a photo are faces: what cascades take for one, and parsing maps confirm or find by themselves."""
+"""Which places in a photo are faces: what cascades take for one, and parsing maps confirm or find by themselves.
+
+Cascades alone are not believed, so they are judged by the parsing of the place they point at (`face.evidence`):
+
+- *evidence* is how many of brows, eyes and mouth win pixels there, 0 to 3;
+- a *glimpse* is the same count of parts that are only suspected, by probabilities too small to win a pixel;
+- to *locate* is to let the parsing of a view say where a face is, with no cascade;
+- to *look closer* is evidence of a stricter kind, asked of guesses beside known faces, where most are none.
+"""
 
 from __future__ import annotations
 
@@ -22,8 +30,10 @@ from relight_core.face.windows import search_windows
 from relight_core.imaging.photo import Photo
 
 _ENOUGH_EVIDENCE, _ALL_EVIDENCE = 2, 3
+"""Of the three parts: of any face two are seen at least."""
 
 _UPRIGHT_TO_DEG, _LYING_FROM_DEG = 15.0, 45.0
+"""Rolls up to which a face is upright, and from which on it lies or is upside down; below the latter it stands."""
 
 _SPECK, _SUSPECTED_SPECK, _MUCH_WIDER = 0.1, 0.2, 3
 """A face narrower than this share of the photo's shorter side is a speck, the second if it is only suspected, and gives
@@ -46,14 +56,14 @@ def choose_faces(
     """All faces, the largest first.
 
     Args:
-        evidence: says how many of brows, eyes and mouth are seen in a box. With it, what only cascades take for a
-            face counts only if there are two, and where no face is left, less likely places are judged by it, also
-            those of faces that lie or stand on their heads.
-        locate: says where a view of the photo shows a face; asked where nothing else finds any, or only specks.
-        look_closer: a stricter `evidence`. With it, faces are looked for beside those that were confirmed, where there
-            is room for some.
-        glimpse: as `evidence`, of parts that are only suspected. All three of them confirm what the cascades agree on,
-            and what lies or stands on its head, and two or three what is located again and again.
+        evidence: 0 to 3 for a box. With it, a box of the cascades counts only with an evidence of 2; where none is
+            left, less likely places are judged by it, also those of faces that lie or are upside down. None believes
+            the cascades.
+        locate: the face in a view of the photo, if any; asked where nothing else finds one, or only specks.
+        look_closer: a stricter `evidence`. With it, more faces are looked for beside confirmed ones, where there is
+            room for some.
+        glimpse: 0 to 3 for a box. A glimpse of 3 confirms a box on which the cascades agree, or a face that lies or is
+            upside down; one of 2 or 3 confirms a place to which `locate` leads from several views.
 
     Raises:
         NoFaceError: no face.
@@ -96,10 +106,10 @@ def _confirmed(
     locate: Callable[[Crop], FaceBox | None],
     glimpse: Callable[[FaceBox], int],
 ) -> list[FaceBox]:
-    """The boxes that are confirmed, else the best guess, else what is located, else those with a hint of a face.
+    """The confirmed boxes; else the best guess; else what is located; else boxes with any evidence at all.
 
-    Faces that are small in a large photo come last: hardly a portrait has none but those, and looking for them takes
-    longer than everything before.
+    Small faces in a large photo are looked for last: hardly a portrait has none but those, and the search takes longer
+    than everything before.
     """
 
     def is_sure(face: FaceBox) -> bool:
@@ -113,13 +123,14 @@ def _confirmed(
 
     faces = list(filter(is_sure, found))
     if faces and all(_is_speck(face, photo, evidence(face)) for face in faces):
-        # A button and a fold beside a face in profile, or teeth of one that lies, which cascades don't see.
+        # Specks are often a button or a fold beside a face that cascades don't see, in profile, or the teeth of one
+        # that lies. A much wider face that is seen whole is preferred.
         least_width = _MUCH_WIDER * max(face.width for face in faces)
-        # Of a face that lies the search may only suspect one that stands: then a guess that shows all is better.
+        # Where a face lies, the search may merely suspect one that stands: then a guess that shows all is better.
         places = (_wider(look(), least_width) for look in (searched, guessed))
         faces = _fullest(places, evidence) or faces
     if not faces:
-        # Leaves may pass for half a face, and be all that cascades hit beside a head that leans.
+        # Not simply the first: beside a leaning head, leaves that pass for half a face may be all that cascades hit.
         faces = _fullest((look() for look in (guessed, searched)), evidence)
     if not faces and not found:
         found = find_small_faces(photo)
@@ -132,10 +143,10 @@ def _confirmed(
 
 
 def _fullest(choices: Iterable[list[FaceBox]], evidence: Callable[[FaceBox], int]) -> list[FaceBox]:
-    """The first choice whose faces are all seen whole, else the first that has any.
+    """The first choice whose faces all have full evidence, else the first that has any faces.
 
-    Of a face whose brow the photo cuts off, a half or the nostrils and the mouth may pass for a face that lies: such a
-    guess gives way to a much larger face around it that stands and shows as much.
+    Where the photo cuts off a brow, one half of the face, or its nostrils and mouth, may pass for a small face that
+    lies. Such a choice gives way to a later one with a much larger upright face around it and no less evidence.
     """
     left: list[FaceBox] = []
     for faces in choices:
@@ -150,7 +161,7 @@ def _fullest(choices: Iterable[list[FaceBox]], evidence: Callable[[FaceBox], int
 
 
 def _lies_within(parts: list[FaceBox], faces: list[FaceBox]) -> bool:
-    """Whether all of some boxes lie, and are small parts of the first of some faces, which stands."""
+    """Whether all of `parts` lie and are small parts of the first of `faces`, which is upright."""
     face = faces[0]
     return abs(face.roll_deg) < _UPRIGHT_TO_DEG and all(
         abs(part.roll_deg) >= _LYING_FROM_DEG
@@ -176,11 +187,11 @@ def _searched(
     evidence: Callable[[FaceBox], int],
     glimpse: Callable[[FaceBox], int],
 ) -> list[FaceBox]:
-    """The face that a search through the whole photo ends at; no cascade has a say here.
+    """The one face that a search through the whole photo finds, if any, with no cascade.
 
-    All of its parts must be seen. Of a face that is turned far aside, bowed, or cut by the photo's edge, brows and eyes
-    are halves or slivers: there they need only be suspected, where several windows lead to the same place, and the
-    more of these do, the fewer.
+    Full evidence ends the search. A face that is turned far aside, bowed, or cut by the photo's edge shows only halves
+    or slivers of brows and eyes. There a glimpse of 3 is enough where four windows lead to the same place, and one of 2
+    where five do.
     """
     places: list[FaceBox] = []
     for place in map(locate, search_windows(photo.linear.shape[:2])):
@@ -229,11 +240,11 @@ def _best(
 
 
 def _rank(seen: int, suspected: int, leaning_deg: float) -> tuple[int, ...]:
-    """By how much a guess at a face is to be trusted; empty where it shows too little of one.
+    """What guesses at a face are compared by, the larger the better; empty where too little of a face is seen.
 
-    One that shows all of a face goes first, of those one that stands; then the one of which more is suspected, then the
-    more upright one. What is suspected tells faces that lie or stand on their heads, and hide a part, from animals and
-    stones: of those no part may be missing. Of an upright face, such as one in profile, less needs to be seen then.
+    A guess with full evidence goes first, and of those one that stands; then the larger glimpse, then the one that
+    stands. A face that lies or is upside down and hides a part is told from animals and stones by what is suspected: of
+    it no part may be missing. Of an upright one, such as a face in profile, an evidence of 1 is enough then.
     """
     upright, stands = leaning_deg < _UPRIGHT_TO_DEG, leaning_deg < _LYING_FROM_DEG
     complete, nothing_missing = seen == _ALL_EVIDENCE, _ALL_EVIDENCE in (seen, suspected)
