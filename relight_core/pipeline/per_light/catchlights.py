@@ -149,7 +149,7 @@ def sky_over(cornea: Cornea, view: Crop, transport: ReliefTransport, size: int) 
         seen = np.clip(roll_light(np.repeat(seen[..., None], 3, axis=-1), -view.roll_deg)[..., 0], 0, 1)
     weights = _weights(cornea, view, size)
     place = bounds(weights)
-    return EyeSky(unshadowed, shadowed, seen, place, weights[place])
+    return EyeSky(unshadowed=unshadowed, shadowed=shadowed, seen=seen, place=place, weights=weights[place])
 
 
 def light_about(

@@ -69,8 +69,8 @@ class Person:
     """What no light changes: the matte and the person's own colour at every pixel of a canvas.
 
     Attributes:
-        share: (h, w) in [0, 1]
-        colour: (h, w, 3) linear.
+        share: (h, w) in [0, 1], the matte (alpha).
+        colour: (h, w, 3) linear, the foreground's, not premultiplied.
     """
 
     share: np.ndarray

@@ -5,10 +5,10 @@ shaders/recipe.glsl, which evaluates them where the viewport looks; `Picture.ren
 
     share * relit + behind,   where   share * relit = gain * (share * colour) + share * (offset + catchlights),
 
-and over it what lies over all of the photo.
+where `share` is the matte (alpha), and over it what lies over all of the photo.
 
-The person's colour is stored times its share, so that everything up to the sum is linear and may be averaged
-where the picture is shown smaller than it is.
+The person's colour is stored premultiplied by the matte, so that everything up to the sum is linear and may be
+averaged where the picture is shown smaller than it is.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class PersonLayers:
     """A canvas taken apart; no light changes it.
 
     Attributes:
-        person: (h, w, 4) float16 linear, the person's own colour times the matte, and the matte.
+        person: (h, w, 4) float16 linear, the person's own colour premultiplied by the matte, and the matte.
         behind: (h, w, 3) float16 linear, what the photo holds beside that; below 0 where it is darker than what lies
             over all of it.
         exposure: colours are the photo's times this, so that a photo in units of its own fits into half floats.
@@ -142,20 +142,20 @@ def recipe_of(picture: Picture, layers: PersonLayers) -> DisplayRecipe:
     replaced = backdrop.picture is not None
     eyes, catchlights = _eyes_on_canvas(picture)
     return DisplayRecipe(
-        layers,
-        tuple(_view_matrix(picture, placed.view) for placed in picture.changes),
-        _of_layers(_stacked([placed.gain for placed in picture.changes]), layers),
-        _stacked([placed.offset for placed in picture.changes]),
-        _of_layers(picture.rest, layers),
-        _behind_gain(backdrop, layers),
-        _as_map(backdrop.picture) if replaced else None,
-        _as_map(backdrop.soft) if replaced else None,
-        picture.matte.nearby[..., None] if replaced and not own_alpha else None,
-        backdrop.transparent,
-        Black(np.zeros(3, np.float32)) if picture.canvas.black is None else picture.canvas.black,
-        eyes,
-        catchlights,
-        picture,
+        layers=layers,
+        views=tuple(_view_matrix(picture, placed.view) for placed in picture.changes),
+        gain=_of_layers(_stacked([placed.gain for placed in picture.changes]), layers),
+        offset=_stacked([placed.offset for placed in picture.changes]),
+        rest=_of_layers(picture.rest, layers),
+        behind_gain=_behind_gain(backdrop, layers),
+        backdrop=_as_map(backdrop.picture) if replaced else None,
+        soft=_as_map(backdrop.soft) if replaced else None,
+        nearby=picture.matte.nearby[..., None] if replaced and not own_alpha else None,
+        transparent=backdrop.transparent,
+        black=Black(np.zeros(3, np.float32)) if picture.canvas.black is None else picture.canvas.black,
+        eyes=eyes,
+        catchlights=catchlights,
+        picture=picture,
     )
 
 
