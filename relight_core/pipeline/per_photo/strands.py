@@ -24,34 +24,47 @@ from relight_core.imaging.resampling import resize_area, resize_smooth
 _ABOUT, _ABOUT_PX = 0.045, 8.0
 """How far around a place its sides' colours are learnt, in sides of the head's square and in pixels of a small copy."""
 _SURELY_WITHIN = 0.014
+"""How far within and outside of the outline both colours are learnt, in sides of the head's square."""
 _LEAST_HEAD_PX = 64
+"""Side of the smallest head's square, in pixels of the guide, whose strands are looked for."""
 _ROUNDS = 2
+"""How often the hair's colour is learnt anew without the pixels that look like what lies behind."""
+
 _SPREAD_BEHIND, _SPREAD_OF_HAIR, _CODES = 1.0, 2.5, 0.02
+"""Standard deviations of both colours, and displayed values, within which a pixel is still all of one side."""
 _ALL_BEHIND, _ALL_HAIR = 0.4, 0.5
-"""Of the way from what lies behind to the hair: up to where a pixel can be nothing but the former, in however uneven
-surroundings, and from where on one can be nothing but hair. In linear light half and half is a third of that way
-where dark hair stands before something bright."""
+"""Limits of that, as shares of the way from what lies behind to the hair: a pixel beyond the first has some hair in it,
+however uneven the surroundings, and one before the second something else. In linear light half and half is a third of
+that way where dark hair stands before something bright."""
+
 _DISTINCT, _PLAIN = (2.0, 3.5), (0.2, 0.35)
-"""Distances of both colours, in their spreads and in displayed values, from which on they tell something, and all."""
+"""Distances of both colours, in their standard deviations and in displayed values, from which on they tell something,
+and all."""
 _SEEN = (0.02, 0.1)
+"""Shares of the surroundings in which a side's colour was learnt, from which on it tells something, and all."""
+_DARKER = 0.15
+"""By how much darker hair than what lies behind tells all: bright hair in shadow looks like a dark wall."""
 _OTHER_COLOUR = (0.1, 0.3)
 """How far a colour may lie off the line between both, in their distance, and from where on it is a third one's: the
 glint of a lamp on black hair is no orange wall, nor a grey one that is darker."""
-_DARKER = 0.15
-"""By how much hair is darker than what lies behind it where all is told: what bright hair has in shadow looks like a
-dark wall."""
+
 _DEEP, _FAR_OUT = (0.036, 0.06), (0.024, 0.048)
-"""Up to where hair is looked through and strands are looked for outside, in sides of the square from the outline."""
-_GAP, _SURELY_BETWEEN, _BY_A_GAP = 0.7, 0.95, (0.006, 0.014)
+"""How far inside of the outline gaps, and outside strands, are looked for, in sides of the head's square."""
+_GAP, _SURELY_BETWEEN = 0.7, 0.95
+"""A gap has less hair than the first, and a colour that lies as surely as the second between both sides'."""
+_BY_A_GAP = (0.006, 0.014)
+"""How far from a gap colours may take hair away, in sides of the square: in full, and at all. A gap shows in the small
+copy too and leads out of the hair, which glints and grey hairs do not."""
 _BESIDE, _BRIGHT = 0.025, 0.75
-"""Only by gaps, which show in the small copy too and lead out of the hair, is there less hair than was thought: glints
-and grey hairs do not. Beside the outline, before what is so bright that hardly a glint is, hair may be all around."""
+"""A gap need not lead out of the hair if it is no farther from the outline than the first, in sides of the square, and
+what lies behind has at least the second as its displayed value, which hardly a glint has."""
 _HAIR, _OTHERS = (0.3, 0.6), (0.2, 0.5)
+"""Probabilities of hair from which on, and of other parts of a person up to which, colours are heard."""
 
 
 @dataclass(frozen=True, eq=False)
 class Hair:
-    """What is known of the hair of a head.
+    """Where the parsing sees the hair of a head.
 
     Attributes:
         hair, others: (S, S) float32 in [0, 1], probabilities of hair, and of what else belongs to a person.
@@ -148,13 +161,16 @@ def _told_apart(
 
 @dataclass(frozen=True, eq=False)
 class _Sides:
-    """Colours on both sides of an outline, about each place of a small copy (k, l).
+    """Colours on both sides of an outline, about each place of a small copy (k, l), in displayed values.
+
+    A pixel's position on the line from the colour behind to the hair's says how much of it is hair.
 
     Attributes:
-        behind: (k, l, 3) of what lies behind the hair.
-        toward: (k, l, 3) unit vector from there to the hair's.
+        behind: (k, l, 3) mean colour of what lies behind the hair.
+        toward: (k, l, 3) unit vector from there to the hair's mean colour.
         distance: (k, l) between both.
-        low, high: (k, l) along that, up to where a pixel has no hair in it, and from where on nothing else.
+        low, high: (k, l) positions along `toward`, up to which a pixel has no hair in it, and from which on nothing
+            else.
         certainty: (k, l) in [0, 1] how plainly the hair is the darker one.
     """
 
@@ -167,7 +183,8 @@ class _Sides:
 
 
 def _sides_about(guide: np.ndarray, share: np.ndarray, hair: np.ndarray, head_px: float) -> _Sides:
-    """Learnt well within the hair and well outside; what within it looks like what lies behind has no say."""
+    """Learn both sides' colours well within the hair and well outside; of the former, what looks like the latter is
+    left out, round by round."""
     inner, outer = cv2.erode(share, disc(_SURELY_WITHIN * head_px)), cv2.dilate(share, disc(_SURELY_WITHIN * head_px))
     of_hair, of_behind = ramp(inner, 0.8, 1.0) * ramp(hair, 0.5, 0.9), 1 - ramp(outer, 0.0, 0.2)
     reach = _ABOUT * head_px
@@ -191,7 +208,7 @@ def _sides_about(guide: np.ndarray, share: np.ndarray, hair: np.ndarray, head_px
 def _trust(
     sides: _Sides, guide: np.ndarray, share: np.ndarray, hair: np.ndarray, others: np.ndarray, head_px: float
 ) -> np.ndarray:
-    """(k, l) in [0, 1] where colours may say how much is hair: about the outline, and by gaps within it."""
+    """(k, l) in [0, 1], how far colours are believed: near the outline, and within it only by gaps."""
     way, off = _along(guide - sides.behind, sides.toward)
     outside = share <= 0.5
     reach = 1 - ramp(distance_to(outside) / head_px, *_DEEP)
@@ -208,12 +225,12 @@ def _trust(
 
 
 def _between(way: np.ndarray, off: np.ndarray, low: np.ndarray, distance: np.ndarray) -> np.ndarray:
-    """(...) in [0, 1] how far colours lie between both sides', neither beside the line nor beyond what lies behind."""
+    """(...) in [0, 1], 1 for colours on the line between both sides', 0 for those beside it or beyond `behind`."""
     return 1 - ramp((off + np.maximum(-way - low, 0)) / distance, *_OTHER_COLOUR)
 
 
 def _hanging_together(outside: np.ndarray, gaps: np.ndarray) -> np.ndarray:
-    """(k, l) what is outside, and those gaps that hang together with it."""
+    """(k, l) bool: what is outside, and those gaps that are connected to it."""
     _, pieces = cv2.connectedComponents((outside | gaps).astype(np.uint8))
     return (pieces > 0) & np.isin(pieces, pieces[outside])
 
@@ -225,7 +242,7 @@ def _along(colour: np.ndarray, toward: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def _mean(image: np.ndarray, weight: np.ndarray, reach_px: float) -> tuple[np.ndarray, np.ndarray]:
-    """The mean of an image (k, l) or (k, l, 3) about each place by a weight (k, l), and that of the weight (k, l)."""
+    """Local means of an image (k, l) or (k, l, 3), weighted by (k, l), and of the weight itself, (k, l)."""
     weight = weight.astype(np.float32)
     seen = cv2.GaussianBlur(weight, (0, 0), reach_px)
     spread = (slice(None), slice(None), *[None] * (image.ndim - 2))
