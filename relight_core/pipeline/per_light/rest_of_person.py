@@ -25,21 +25,32 @@ from relight_core.lighting.reflection import NormalLookup, ReflectionTable
 from relight_core.lighting.sphere import solid_angles
 
 _LONGEST, _LONGEST_KNOWN = 128, 64
+"""The longer side of the body's own maps, and of those of what the views did."""
 _DARK, _LEAST = 1e-3, 1e-9
+"""What is added to radiances before they are divided, and the least that a logarithm is taken of."""
+
 _WELL_SEEN, _HEADROOM = 0.1, 0.1
-"""Where a photo is darker than the one, or nearer to clipping than the other, its gain says less."""
-_HARDLY, _UNSEEN = (0.02, 0.1), 1e-3
-"""Shares of a place's brightest colour up to which and from which on another shows what becomes of it, and what it
-counts below: gloss on red cloth would be twenty times its green, and turn white cloth beside it green."""
+"""Luminance of the photo below which, and distance from clipping within which, its gain says less; never less than
+`_FLOOR`."""
 _FLOOR = 0.02
+_HARDLY, _UNSEEN = (0.02, 0.1), 1e-3
+"""A channel whose value is less than the first share of the brightest channel's says next to nothing (the last) about
+its gain, from the second on all: gloss on red cloth would be twenty times its green, and turn white cloth beside it
+green."""
 _BARELY, _MOSTLY = 0.2, 0.6
-"""How much of a place views cover up to which, and from which on, what they did there is carried on: a neighbour's
-view still counts a little where it takes somebody's shirt for what is behind its own person."""
-_REFLECTS, _BRIGHT_WITHIN = 0.9, 5
-"""The most that anything gives back of the light that falls on it, and over how many cells the brightest decides, so
-that a pattern of cloth keeps its contrast."""
+"""Shares of a place that views cover up to which what they did there is not carried on, and from which on it is in
+full: a neighbour's view counts a little even where it takes somebody's shirt for background."""
+
+_REFLECTS = 0.9
+"""The largest albedo that anything has."""
+_BRIGHT_WITHIN = 5
+"""Side of the window, in cells, whose brightest decides whether that is exceeded, so that a pattern of cloth keeps its
+contrast."""
 _FILL = 0.15
+"""Light from all around that reaches any part of a body, as a share of the mean radiance."""
 _REACHES = (0.0125, 0.03, 0.08, 0.2)
+"""Deviations of the blurs by which values are carried on, in longer sides of the map; the widest where no other knows
+anything."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,12 +58,12 @@ class Body:
     """What no light changes; maps over the whole photo.
 
     Attributes:
-        share: (h, w) how much of each cell is person; h and w at most 128.
-        light_of: what falls on the body's normals under a light.
+        share: (h, w) the matte of each cell; h and w at most 128.
+        light_of: the irradiance on the body's normals under a light.
         photo: (k, l, 3) linear; k and l at most 64.
-        onward: carries on what is known, (k, l).
-        has: (k, l, 3), in (0, 1], how well the photo shows each colour of a place.
-        by_colour: carries on each colour from where it shows.
+        onward: carries on what the views did from where they cover the body, (k, l).
+        has: (k, l, 3), in (0, 1], how much each channel of a place says about its gain.
+        by_colour: as `onward`, each channel weighted by `has` too.
     """
 
     share: np.ndarray
@@ -63,21 +74,21 @@ class Body:
     by_colour: Continuation
 
     def carried_on(self, lit: np.ndarray, expected: np.ndarray) -> np.ndarray:
-        """By how much what is lit exceeds what was expected, as logs (k, l, 3), carried on from where it is known.
+        """Log ratio (k, l, 3) of what the views made of the body over what the guess expects, carried on beyond them.
 
-        Colours are carried on as means of logs, and their brightness by all light together: of a chest half in a lamp's
-        light the mean of logs is nearly the shadow's, and below the lit half the body would step into the dark. Far
-        from anything known, where chairs and tables may pass for a body, nothing is made brighter so. A colour that
-        hardly shows is taken to be as far from what its surroundings say as the others of its place.
+        Channels are carried on as means of logs, but luminance as the ratio of means: of a chest half in a lamp's light
+        the mean log is nearly the shadow's, and the body would step into the dark below the lit half. Far from anything
+        known, where chairs and tables may pass for a body, only the mean of logs holds.
 
         Args:
-            lit, expected: (k, l, 3), above 0.
+            lit, expected: (k, l, 3) linear, above 0; only read where views cover the body.
         """
         known = np.log(lit / expected)
         around = self.by_colour(known)
+        # A channel that hardly shows is off from its surroundings by as much as the others of its place.
         off = (self.has * (known - around)).sum(-1, keepdims=True) / self.has.sum(-1, keepdims=True)
-        light, due = luminance(lit), luminance(expected)
         colours = around + off + self.has * (known - around - off)
+        light, due = luminance(lit), luminance(expected)
         carried = self.onward(np.dstack([colours, light, due, np.log(light / due)]))
         colours, (light, due, logs) = carried[..., :3], np.moveaxis(carried[..., 3:], -1, 0)
         brighter = np.log(np.maximum(light, _LEAST) / np.maximum(due, _LEAST)) - logs
@@ -97,7 +108,7 @@ def make_body(
     Args:
         photo: (h, w, 3) linear, of `body_size`.
         share: (h, w) how much of each cell is person.
-        known: (h, w) how much of it the networks' views cover, in [0, 1].
+        known: (h, w) in [0, 1] how much of each cell the networks' views cover.
         inside: the cells that no frame of the photo's covers; None where it has no frame. Whom a frame cuts off goes
             on behind it, as beyond the photo's border.
     """
@@ -115,7 +126,7 @@ def make_body(
 
 @torch.inference_mode()
 def body_shading(body: Body, light: torch.Tensor) -> np.ndarray:
-    """What a light gives the body, (h, w, 3), above 0, in units of a white surface's radiance.
+    """Irradiance over pi that a light gives the body, with some fill, (h, w, 3) > 0: a white matte body's radiance.
 
     Args:
         light: (1, 16, 32, 3), mean luminance 1.
@@ -127,7 +138,7 @@ def body_shading(body: Body, light: torch.Tensor) -> np.ndarray:
 
 
 def body_gain(body: Body, light: torch.Tensor, relit: np.ndarray, in_photo: np.ndarray | None = None) -> np.ndarray:
-    """Gain of the photo over the whole photo, (h, w, 3), in units of the normalised light.
+    """Gain (h, w, 3) by which the photo becomes the body under a light, over the whole photo, normalised light.
 
     Args:
         light: (1, 16, 32, 3), mean luminance 1.
@@ -148,9 +159,9 @@ def body_gain(body: Body, light: torch.Tensor, relit: np.ndarray, in_photo: np.n
 
 
 def _in_bounds(correction: np.ndarray, body: Body, guess: np.ndarray, in_photo: np.ndarray) -> np.ndarray:
-    """A log correction, (k, l, 3), lowered where the body would give back more light than falls on it.
+    """A log correction, (k, l, 3), lowered where the body would reflect more light than falls on it.
 
-    It is lowered to its mean at most: under the photo's own light it is the same everywhere, and has to stay.
+    It is never lowered below its mean: under the photo's own light it is the same everywhere, and must stay.
 
     Args:
         guess: (k, l, 3) the gain that it corrects.
