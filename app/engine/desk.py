@@ -67,6 +67,10 @@ class Desk:
 
     Steps are short enough to look at the newest request between them, which is what makes only the newest
     count: a photo that was replaced while it was being decoded never reaches the networks.
+
+    Args:
+        make_relighter: called when the networks are first needed.
+        calibration_path: where the costs of the quality tiers are kept; None neither measures nor keeps them.
     """
 
     def __init__(
@@ -76,15 +80,23 @@ class Desk:
     ) -> None:
         self._make_relighter = make_relighter
         self._relighter: RelighterLike | None = None
+        # A photo that has been read and is not the portrait yet.
         self._loading: tuple[PhotoSource, Photo] | None = None
+        # Whose photo is the Relighter's portrait; None while it is that of somebody who lent a light.
         self._portrait: OpenPhoto | None = None
+        # The key of the picture that failed last, which is not tried again.
         self._failed: tuple | None = None
+        # The portrait and the quality that the Relighter is ready to relight quickly.
         self._ready_for: tuple | None = None
         self._lights: dict[LightSource, OpenLight] = {}
         self._tiers = TierMeter(calibration_path)
 
     def next_step(self, request: Request, now: Snapshot) -> Step | None:
-        """The next step toward the request, or None when what is in force answers it."""
+        """The next step toward the request, or None when what is in force answers it.
+
+        In this order: the photo; the portrait again, after a light was borrowed from another; the light as it was
+        asked for, then with what was changed about it; the picture; the outline; and what nobody waits for.
+        """
         photo = None if request.photo in now.refused else request.photo
         light = None if request.light in now.refused else request.light
         if photo is not None and photo is not _source(now.opened):
@@ -133,6 +145,7 @@ class Desk:
         return replace(now, tier_costs=self._tiers.costs())
 
     def _light_is_due(self, light: LightSource, now: Snapshot) -> bool:
+        """Whether another light is in force; a photo's own that was set before is not due while it awaits a face."""
         if light.kind == "own":
             if light is now.awaited and not now.faces:
                 return False
@@ -140,6 +153,7 @@ class Desk:
         return light is not _source(now.light)
 
     def _light_is_undrawn(self, request: Request, now: Snapshot) -> bool:
+        """Whether the light in force lacks what is changed about it, or is a draft while the hand rests."""
         light = now.light
         if light is None or not request.light.same_as(light.source):
             return False
@@ -181,6 +195,11 @@ class Desk:
         return now
 
     def _set_portrait(self, now: Snapshot) -> Snapshot:
+        """Make the photo that has been read the portrait in force.
+
+        It may be the one that was open already, with other boxes, strokes or another face chosen: then what the screen
+        shows of it stays.
+        """
         source, photo = self._loading
         self._loading = None
         faces = self._faces_of(source, photo)
