@@ -8,6 +8,9 @@ import torch
 import torch.nn.functional as F
 from torch import nn
 
+_LEAK = 0.1
+"""Slope of every leaky ReLU below 0."""
+
 
 class ConvBlock(nn.Module):
     """3 x 3 convolution, batch normalisation and, unless it is not `rectified`, leaky ReLU.
@@ -23,7 +26,7 @@ class ConvBlock(nn.Module):
 
     def forward(self, x: torch.Tensor) -> torch.Tensor:
         x = self.norm(self.conv(x))
-        return F.leaky_relu(x, 0.1, inplace=True) if self.rectified else x
+        return F.leaky_relu(x, _LEAK, inplace=True) if self.rectified else x
 
     def fold(self) -> None:
         """Merge the normalisation into the convolution's weights (evaluation mode only)."""
@@ -53,7 +56,7 @@ class ResidualBlock(nn.Module):
         first has weights of the usual size (He et al. 2015). And the second is nothing itself, instead of what
         scales it: convolutions are what the optimiser moves fast.
         """
-        nn.init.kaiming_normal_(self.first.conv.weight, 0.1)
+        nn.init.kaiming_normal_(self.first.conv.weight, _LEAK)
         nn.init.zeros_(self.second.conv.weight)
         nn.init.ones_(self.second.norm.weight)
 
@@ -83,7 +86,16 @@ class Encoder(nn.Module):
         )
 
     def begin(self, first: torch.Tensor) -> torch.Tensor:
-        """What the first of the input channels add to the first convolution.
+        """What the first of the input channels add to the first convolution, before its activation.
+
+        A convolution is a sum over its input channels: where only the last of them change, as the light's do, this part
+        is computed once and given to `forward` as `begun`.
+
+        Args:
+            first: (B, c, H, W), c less than all inputs.
+
+        Returns:
+            (B, widths[0], H, W), with the folded bias in it.
 
         Raises:
             ValueError: the normalisation is not folded (see `fold_normalisation`).
@@ -98,7 +110,8 @@ class Encoder(nn.Module):
         """Features of every level, finest first, in the weights' precision.
 
         Args:
-            x: (B, inputs, H, W), or only the last of those channels where the others have begun.
+            x: (B, inputs, H, W), or only the last of those channels with `begun`.
+            begun: `begin` of the other channels.
         """
         features = [self._stem(x.to(self.stem.conv.weight.dtype), begun)]
         for level in self.levels:
@@ -109,7 +122,7 @@ class Encoder(nn.Module):
         if begun is None:
             return self.stem(x)
         weight = self.stem.conv.weight[:, -x.shape[1] :].contiguous(memory_format=torch.channels_last)
-        return F.leaky_relu(F.conv2d(x, weight, padding=1) + begun, 0.1, inplace=True)
+        return F.leaky_relu(F.conv2d(x, weight, padding=1) + begun, _LEAK, inplace=True)
 
 
 class UpLevel(nn.Module):
