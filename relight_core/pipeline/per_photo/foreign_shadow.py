@@ -24,21 +24,22 @@ _SIZE = 256
 _EDGE_PX = 5
 """How far the soft edge of a shadow may reach beyond what is surely one."""
 _DEEPEST = 3.0
-"""Logs. What is darker than a twentieth of what it would be a camera shows little of."""
+"""Logs of the deepest shadow, a twentieth of the light: of what is darker a camera shows little."""
 _HARDLY, _SURELY = 0.1, 0.25
 """Mean logs over the channels from which on there may be, and surely is, a shadow."""
 _LEAST_OF_FACE = 0.01
 """Share of the skin and features of a face that lies in a shadow, if there is one."""
 _LEAST_SKIN, _MUCH_SKIN = 0.05, 0.25
-"""Shares of what lies in one shadow that are skin: with less than the first it is the dark cloth, hair or hat that it
-covers, with less than the second it may be, away from the skin."""
+"""Shares of a patch of shadow that are skin. With less than the first it is dark cloth, hair or a hat; with less than
+the second it may be, and counts only where it is on skin."""
 _RIM_PX = 5
-"""Half the width of such skin that is none, but the edge of what is dark beside it."""
+"""Half the width up to which such a part on skin is only the edge of the dark material beside it."""
 _MUCH_OF_FACE, _SMALL = 0.1, 0.25
-"""Where so much of a face lies in shadows, those are its like that cover no more than this of all that is not skin."""
+"""Where more than the first share of a face lies in shadows from outside, patches beside the skin are taken for such
+too, if they cover less than the second share of all of the person that is not skin."""
 _SOFT, _MOST_OF_EDGE = 0.08, 0.9
-"""Mean log per pixel. A shadow that nine tenths of its edge are no steeper than is as soft as de-lighting knows them,
-or it is the shading of a cheek."""
+"""Mean log per pixel, and the share of a shadow's edge. A shadow of whose edge so much is less steep is as soft as
+those that de-lighting has learnt, or is the shading of a cheek."""
 _OFF_COLOUR = 0.7
 """Log ratio to green that skin is off by, once a shadow is taken off it, if it is paint."""
 
@@ -68,46 +69,67 @@ def find_foreign_shadow(
     person, face = kinds.sum(1), kinds[:, :2].sum(1)
     colour = exact_logs(without_shadow(small, logs))
     seen = (depth[:, 0], person, face, colour[:, ::2] - colour[:, 1:2])
-    kept = _on_person(*(image[0].cpu().numpy() for image in seen))
+    kept = _from_outside(*(image[0].cpu().numpy() for image in seen))
     if kept is None:
         return None
     near = torch.from_numpy(kept)[None, None].to(view.device)
     return logs * ramp(depth, _HARDLY, _SURELY) * near * likely(person[:, None])
 
 
-def _on_person(depth: np.ndarray, person: np.ndarray, face: np.ndarray, ratios: np.ndarray) -> np.ndarray | None:
-    """(S, S) float32 in [0, 1], 1 at those of the shadows that are none of dark stuff, and next to them.
+def _from_outside(depth: np.ndarray, person: np.ndarray, face: np.ndarray, ratios: np.ndarray) -> np.ndarray | None:
+    """Which of the shadows that the network sees are cast from outside; None where none of those is on a face.
 
-    To a network dark stuff is a shadow at times, but one that ends where the stuff does; and so is paint, but one whose
-    skin has another colour. None where a face has none.
+    The network takes dark cloth, hair and hats for shadows at times. Such a patch ends where the material does, so
+    that little of it is skin. It takes paint for a shadow too (see `_not_paint`).
 
     Args:
         depth: (S, S) mean logs over the channels, positive.
-        person, face: (S, S) probabilities, of skin and features the latter.
-        ratios: (2, S, S) log ratios of red and blue to green, the shadows taken off.
+        person, face: (S, S) probabilities; the face is bare skin and features.
+        ratios: (2, S, S) log ratios of red and blue to green, with the shadows taken off.
+
+    Returns:
+        (S, S) float32, 1 in those shadows and 0 elsewhere, with soft edges.
     """
-    shadow, skin = (depth > _SURELY) & (person > 0.5), face > 0.5
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(shadow.astype(np.uint8))
+    on_person, skin = person > 0.5, face > 0.5
+    shadow = (depth > _SURELY) & on_person
+    count, patches, stats, _ = cv2.connectedComponentsWithStats(shadow.astype(np.uint8))
     area = stats[:, cv2.CC_STAT_AREA]
-    share_of_skin = np.bincount(labels[skin], minlength=count) / np.maximum(area, 1)
-    on_face = share_of_skin > _LEAST_SKIN
-    on_face[0] = False
-    elsewhere = ~on_face
-    elsewhere[0] = False
-    if (lit := skin & ~shadow).sum() >= FEWEST_PIXELS:
-        own = np.median(ratios[:, lit], 1)
-        for number in np.flatnonzero(on_face):
-            off = np.median(ratios[:, (labels == number) & skin], 1) - own
-            on_face[number] = np.abs(off).max() < _OFF_COLOUR
-    whole = on_face & (share_of_skin > _MUCH_SKIN)
-    kept = whole[labels] | _but_for_rims((on_face & ~whole)[labels] & skin)
+    share_of_skin = np.bincount(patches[skin], minlength=count) / np.maximum(area, 1)
+    is_patch = np.arange(count) > 0
+    has_skin = is_patch & (share_of_skin > _LEAST_SKIN)
+    is_cast = _not_paint(has_skin, patches, skin, skin & ~shadow, ratios)
+    is_whole = is_cast & (share_of_skin > _MUCH_SKIN)
+    kept = is_whole[patches] | _but_for_rims((is_cast & ~is_whole)[patches] & skin)
     of_face = (kept & skin).sum() / max(skin.sum(), 1)
-    if of_face < _LEAST_OF_FACE or _is_soft(depth, kept, person > 0.5):
+    if of_face < _LEAST_OF_FACE or _is_soft(depth, kept, on_person):
         return None
     if of_face > _MUCH_OF_FACE:
-        kept |= (elsewhere & (area < _SMALL * ((person > 0.5) & ~skin).sum()))[labels]
+        kept |= (is_patch & ~has_skin & (area < _SMALL * (on_person & ~skin).sum()))[patches]
     # Their soft edges lie beyond what is surely shadow.
     return cv2.blur(cv2.dilate(kept.astype(np.float32), disc(_EDGE_PX)), (_EDGE_PX, _EDGE_PX))
+
+
+def _not_paint(
+    asked: np.ndarray, patches: np.ndarray, skin: np.ndarray, lit: np.ndarray, ratios: np.ndarray
+) -> np.ndarray:
+    """(patches,) bool: those asked about whose skin, with the shadow taken off, has the colour of lit skin.
+
+    All of them where too little skin is lit to tell.
+
+    Args:
+        asked: (patches,) bool.
+        patches: (S, S) the number of the patch that each pixel is in.
+        skin, lit: (S, S) bool, all of the face and the part of it in no shadow.
+        ratios: as of `_from_outside`.
+    """
+    result = asked.copy()
+    if lit.sum() < FEWEST_PIXELS:
+        return result
+    own = np.median(ratios[:, lit], 1)
+    for number in np.flatnonzero(asked):
+        off = np.median(ratios[:, (patches == number) & skin], 1) - own
+        result[number] = np.abs(off).max() < _OFF_COLOUR
+    return result
 
 
 def _but_for_rims(shadow: np.ndarray) -> np.ndarray:
