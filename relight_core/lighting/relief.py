@@ -19,10 +19,13 @@ from relight_core.lighting.reflection import network_texels, specular_lobe
 from relight_core.lighting.response import response_to
 
 _AZIMUTHS = 48
+"""Directions of the image plane in which horizons are marched."""
 _STEPS = 20
+"""Steps of a march."""
 _PENUMBRA = 0.15
-_GRAZING = 0.05
-_FAINT_GLOSS = 0.005
+"""Radians of elevation, about the horizon, over which a texel of 11 degrees goes from hidden to visible."""
+_GRAZING, _FAINT_GLOSS = 0.05, 0.005
+"""Irradiance over pi, and gloss, in a light of mean luminance 1, below which a lost fraction fades to 0."""
 REACH = 1.3
 """Half-widths of the image: as far as one head casts a shadow on itself."""
 

@@ -26,8 +26,15 @@ from relight_core.pipeline.per_photo.likely_person import (
 from relight_core.pipeline.per_photo.strands import Hair
 
 _MATTING_PX = 224
-_NEAR_FROM, _LEAST_NEAR_PX, _EDGE_SHARE = 1.25, 32, 0.15
-_EVEN_PX, _EVEN, _STEEP = 5, 0.15, 3.0
+"""Longer side of the copy in which closed-form matting is done."""
+_NEAR_FROM, _LEAST_NEAR_PX = 1.25, 32
+"""A window about a person is matted again, from near, if it is enlarged by as much and is no smaller than that."""
+_EDGE_SHARE = 0.15
+"""Share of such a window's side over which it fades toward its edge."""
+_EVEN_PX, _EVEN = 5, 0.15
+"""Side of the window in which a matte may be even, and by how much it deviates there if it is hardly so."""
+_STEEP = 3.0
+"""The contrast about one half by which an even matte is decided."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,8 +31,11 @@ _WORTH_IT_FROM = 1.25
 """The view's side, in sides of the nearer view."""
 
 _EDGE_SHARE = 0.12
+"""Share of the nearer view's side over which it fades toward its edge."""
 _DARKEST_ALBEDO = 0.01
+"""Albedos count as no darker where the levels of both looks are compared."""
 _LEVELS = (0.6, 1.6)
+"""The least and the most by which the view's albedo is brought to the nearer look's level."""
 _LITTLE = 1e-3
 
 

@@ -23,19 +23,25 @@ from relight_core.imaging.tensor_means import local_means, middle_values
 from relight_core.pipeline.stages import Surface
 
 _COMMON = 0.15
-"""Flush and tan move the log of a ratio of two channels by about as much."""
+"""The most by which flush and tan move the log of a ratio of two channels."""
 _BLUE, _BLUE_OF_PALE = 0.05, 1.4
-"""Less blood and melanin make skin bluer only as they make it less red, and melanin's absorption falls toward red:
-by that much more does the log ratio of blue to green rise than that of red to green falls. Bluer skin is lit so."""
+"""How much bluer than most of it skin may be by itself, in logs of blue to green: the first, plus the second times what
+it is less red. Less blood and melanin make skin bluer only as they make it less red, and more so, since melanin absorbs
+less toward red. Skin that is bluer still is lit so."""
 NO_COLOUR = (0.025, 0.008)
-"""Of a photo, linear: 8-bit codes 42 and 22. Below, a few codes of JPEG's chroma are a colour of their own."""
+"""Luminances of a photo, linear, below which its colours say less, and nothing: 8-bit codes 42 and 22. There a few
+codes of JPEG's chroma are a colour of their own."""
 _DEEP_SHADOW = (0.7, 0.2)
-"""Of the luminance of most of the skin: there other lights than the estimated one are brighter than it is."""
+"""Shares of most of the skin's luminance below which skin may lie, and surely lies, in deep shadow, where other lights
+are brighter than the estimated one."""
 _PAINT, _PLAIN = 0.5, 0.25
-"""Log ratios: paint is further off than the first, and plain skin less than the second."""
+"""Log ratios to green: paint is further off most of the skin than the first, plain skin less than the second."""
 _RIM_SHARE, _BESIDE_SHARE = 1 / 128, 2 / 128
-"""Of the view: paint's edge is a mixture for the first, and beyond it for the second there is plain skin."""
-_FEWEST_OF_PAINT, _MOSTLY, _NOT_AT_A_SILHOUETTE = 12, 0.6, 0.75
+"""Widths in sides of the view: of a patch of paint's mixed edge, and of the ring around that which is looked at."""
+_FEWEST_OF_PAINT = 12
+"""Pixels of the smallest patch."""
+_MOSTLY, _NOT_AT_A_SILHOUETTE = 0.6, 0.75
+"""Shares of the ring around a patch that must be plain, of what is skin in it, and that must be skin."""
 
 
 def in_one_colour(surface: Surface, skin: torch.Tensor) -> Surface:

@@ -27,9 +27,14 @@ from relight_core.pipeline.results.channels import ViewChange, at_level
 from relight_core.pipeline.results.picture import PlacedCatchlight, PlacedChange
 
 _EDGE_SHARE = 0.12
+"""Share of a view's side over which it fades toward its edge."""
 _WEIGHT_LONGEST = 512
+"""Longer side of the maps that say over the whole photo which view counts where."""
 _OUTLINE_SHARE, _UNSEEN_BLUR_SHARE = 0.02, 0.01
+"""By how much of its side a person's mask is grown before what a brush added beside it counts as unseen, and the
+deviation of the blur of that, as a share of its map's longer side."""
 _UNSEEN_FROM, _UNSEEN_TO = 0.3, 0.7
+"""What a brush added beyond the masks, in [0, 1], from which on it counts as unseen, in part and altogether."""
 
 
 @dataclass(frozen=True)
