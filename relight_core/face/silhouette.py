@@ -11,21 +11,26 @@ from relight_core.imaging.masks import disc
 from relight_core.imaging.ramp import ramp
 
 _CLOSING_SHARE = 1 / 24
+"""Gaps up to this share of the view's side are closed."""
 _FAINT_HAT, _PLAIN_HAT = 0.02, 0.032
+"""Mean probabilities of a hat over the view from which on there may be one, and is one."""
 _HAT_ODDS = 1.5
+"""By how much a hat raises the log odds of person well above the eyes."""
 _RAMP_SHARE = 0.05
+"""How far above the eyes is well above them, as a share of the view's side."""
 _EYES = (*EYES, "glasses")
 _LEAST_EYES = 5e-4
+"""Share of the view that eyes or glasses fill, at the least, for their row to be known."""
 
 
 def solid_person(parsing: np.ndarray) -> np.ndarray:
-    """Probability of person with the holes filled and what hangs on to no face left out.
+    """Probability of person with holes filled, and without parts that are not connected to the face.
 
     Args:
         parsing: (classes, S, S) probabilities.
 
     Returns:
-        (S, S) float32 in [0, 1]; as the parsing has it where it finds no face.
+        (S, S) float32 in [0, 1]; the parsing's own where it finds no face.
     """
     person = np.clip(1 - parsing[INDEX["background"]], 0, 1).astype(np.float32)
     face = parsing[list(FACE_LABELS)].sum(0) > 0.5
@@ -43,10 +48,10 @@ def solid_person(parsing: np.ndarray) -> np.ndarray:
 
 
 def person_with_headwear(parsing: np.ndarray) -> np.ndarray:
-    """Probability of person, above the eyes raised where the parsing sees a hat at least faintly.
+    """Probability of person, raised above the eyes where the parsing sees a hat, however faintly.
 
-    A large or unusual hat is taken for background more often than not. A few hundredths of "hat" over the whole view
-    give it away: bare heads stay below.
+    A large or unusual hat is taken for background more often than not. A mean probability of "hat" of a few hundredths
+    over the view gives it away: that of bare heads is lower.
 
     Args:
         parsing: (classes, S, S) as the softmax of the de-lighting network says it (see `face.posterior`).

@@ -14,10 +14,15 @@ from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
 
 _FROM, _TO = 0.9, 0.99
+"""Values of a channel, linear, from which on it counts as clipped, in part and altogether."""
 _LITTLE = 1e-4
+"""The weight of pixels that count only where there are no others; its powers, where there are not even those."""
 _BRIGHTER = 1.4
+"""How much brighter than the skin around blown skin may be taken for, at the most."""
 _ENOUGH = 0.02
+"""Mean weight of an area from which on its own mean is taken, and not that of wider surroundings."""
 _SKIN_FOR_LIPS = 0.02
+"""The weight of skin's colour beside that of lips, for lips of which nothing is left."""
 
 
 def clipped_share(photo: torch.Tensor) -> torch.Tensor:

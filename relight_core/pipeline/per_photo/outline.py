@@ -23,10 +23,15 @@ from relight_core.pipeline.per_photo.network_view import in_picture, network_vie
 from relight_core.pipeline.stages import in_precision
 
 _SIZE = 256
+"""Side of the view that the person network sees, in pixels."""
 _SURELY = 0.005
+"""Probabilities nearer to 0 or 1 count as this far from it, so that odds stay finite."""
 _OUTLINE_SHARE, _OUTLINE_SHARE_OF_HATS = 0.8, 0.4
+"""What the person network's log odds weigh beside the parsing's: usually, and where the parsing plainly sees a hat."""
 _PERHAPS_HAT, _PLAINLY_HAT = 0.5, 0.95
+"""The parsing's probabilities of a hat between which the weight goes from the one to the other."""
 _HARDLY_HAT, _MAYBE_HAT = 0.2, 0.4
+"""Those between which a gap in the outline becomes a hair band."""
 _OPEN, _ENCLOSED, _GAP = 0.3, 0.5, 0.2
 """Probability of the faintest of what lies around a gap, and by how much it is above the gap's."""
 
@@ -101,15 +106,18 @@ def _turned_over(image: torch.Tensor, mirror: bool) -> torch.Tensor:
 
 
 def parsing_within(parsing: torch.Tensor, outline: Outline, view: Crop) -> torch.Tensor:
-    """A parsing that agrees with an outline on what is background; its other classes share the rest as they did.
+    """A parsing whose background agrees with an outline; its other classes share the rest as they did.
 
-    Both were trained for it and err in different places: de-lighting sees the head larger and knows hair and hats,
-    the person network sees shoulders, has seen more that lies behind, and has nothing else to learn. It counts for
-    more where their log odds are averaged. What de-lighting takes for a face stays one. Above the eyes both must
-    agree: a tree or a window right behind a head passes for hair or a hat with one of them, seldom with both. Where
-    de-lighting plainly sees a hat it counts for more there: the person network takes the wide top of a cap for
-    something behind the cap's band. Nor does one look through a gap between a head and the hair above it where
-    de-lighting sees a hat rather than a gap: that is a hair band.
+    De-lighting's parsing and the person network err in different places: the former sees the head larger and knows hair
+    and hats, the latter sees shoulders, has seen more backgrounds, and has nothing else to learn. So:
+
+    - Their log odds are averaged, the person network's with the larger weight.
+    - What the parsing takes for a face stays one.
+    - Above the eyes, where the two disagree, the less likely one holds: a tree or a window right behind a head passes
+      for hair or a hat with one of them, seldom with both.
+    - Where the parsing plainly sees a hat there, it has more weight: the person network takes the wide top of a cap
+      for something behind the cap's band.
+    - A gap between a head and the hair above it is closed where the parsing sees a hat: that is a hair band.
 
     Args:
         parsing: (1, classes, S, S) probabilities in a view of the photo.
