@@ -17,10 +17,13 @@ SMALLEST_PX = 28
 """Width of the smallest heads that are looked for."""
 
 _SCALE_STEP = 1.1
+"""By how much a cascade's window grows from one search to the next."""
 _SAME_FACE_OVERLAP = 0.35
-_SURE_VOTES = 15
-_FEWEST_VOTES = 8
+"""Intersection over union from which on two hits are of one face."""
+_SURE_VOTES, _FEWEST_VOTES = 15, 8
+"""Votes from which on a face needs no eyes to confirm it, and from which on eyes can."""
 _EYE_VIEW_PX = 240
+"""Width to which the upper half of a face is brought before eyes are looked for."""
 
 _FRONTAL_FACE = (0.095, 0.26, 0.905, 1.065)
 """Brow to chin and cheek to cheek within a frontal hit, as fractions of its side; the medians over

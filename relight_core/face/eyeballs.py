@@ -17,12 +17,16 @@ from relight_core.face.parsing import EYES, INDEX
 from relight_core.imaging.masks import bounds, largest_part
 
 _RADIUS_IN_HALF_WIDTHS = 1.4
+"""The ball's radius in half-widths of the eye as the parsing sees it."""
 _STEEPEST = 0.85
+"""The largest sine of the angle between the ball's normals and the camera's axis."""
 _FEWEST_PIXELS = 4
 _LID_REACH = 0.35
+"""Deviation of the blur by which the ball fades out over the lids, in half-widths of the eye."""
 _BLUR_DEVIATIONS = 4
 """How far OpenCV's blurs of floats reach."""
 _SOCKET_REACH = 0.3
+"""Deviation of the blur that makes a socket of an eye, in diameters of a disc as large as both eyes."""
 
 
 @dataclass(frozen=True)

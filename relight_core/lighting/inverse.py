@@ -8,8 +8,11 @@ from relight_core.imaging.tensor_colour import luminance_weights
 
 _ITERATIONS = 10
 _TRUST_IN_GUESS = 0.1
+"""Weight of the guess beside the photo, in the mean weight that a texel has in it."""
 _TRUST_IN_COLOUR = 0.5
+"""The power of each channel's quotient beside that of luminance: 1 would follow colours in full, 0 not at all."""
 _DARKEST = 1e-3
+"""The least radiance of a texel in the guess, in its mean: what is 0 would stay 0."""
 
 
 @torch.no_grad()

@@ -9,16 +9,22 @@ from relight_core.lighting.environment import Environment, network_light
 from relight_core.lighting.sphere import directions, solid_angles
 
 _LIGHT_HEIGHT = 32
+"""Rows of the light that the ball is drawn in."""
 _TABLE_HEIGHT = 24
+"""Rows of the tables for a ball that turns."""
 _ALBEDO = 0.7
 _REFLECTANCE = 0.05
+"""Of the varnish at normal incidence (Schlick 1994)."""
 _LOBE_DOUBLINGS = 7
 """The gloss lobe is cos ** 128, by repeated squaring."""
 _TABLE_DOUBLINGS = 6
 """That of the tables is wider, since their light has 16 rows only."""
 _BRIGHT = 0.85
+"""Luminance to which a ball is exposed."""
 _DARK_LEVEL = 1e-12
+"""A light that is no brighter is none."""
 _BLOCK = 2048
+"""Pixels that are shaded at once, for the memory."""
 
 
 def lit_ball(environment: Environment, size: int) -> np.ndarray:

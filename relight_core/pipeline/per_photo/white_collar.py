@@ -27,13 +27,17 @@ _FEWEST_MOUTH_PIXELS = 4
 _BRIGHTEST_SKIN = 0.95
 """Quantile of a face's brightness that stands for its lit side."""
 _BRIGHTER = 1.3
+"""How many times as bright as that a collar surely is."""
 _SMALLEST_COLLAR, _SURE_COLLAR = 4, 12
-"""Pixels."""
+"""Bright pixels of a neck from which on they may be a collar, and are enough for one."""
 _BRIGHT, _NECK = 0.05, (0.2, 0.4)
+"""By how much pixels must be brighter than the face's lit side, and how likely they must be neck, to count in full."""
 _COLOURED, _GREY = -0.6, -0.8
+"""Saturations beside a face's (see `saturation`): up from the first a pixel has a colour, down from the second none."""
 _PERHAPS_MOST, _MOST = 0.45, 0.6
 """Shares of what is bright that are of no colour, from which on it is a collar, in part and altogether."""
 _LIKELY = 0.3
+"""The share from which on a pixel belongs to a patch that may be a rim."""
 _ALONG_THE_JAW = 3.6 / 128
 """Of the view: a rim lies within this of the face for the most part."""
 
