@@ -41,4 +41,24 @@ def test_tiny_pictures_and_pictures_of_one_colour(size):
     guess = np.linspace(0, 1, size[0] * size[1]).reshape(size)
     matte = closed_form_matte(np.zeros((*size, 3)), guess)
     assert matte.shape == size
+    assert matte.dtype == np.float32
     assert np.isfinite(matte).all()
+
+
+@pytest.mark.parametrize("side", range(4))
+def test_soft_edges_are_found_up_to_the_border_of_the_picture(side):
+    guide, truth = (np.rot90(whole[24:], side) for whole in soft_disc())
+    guess = np.full(truth.shape, 0.5)
+    guess[truth > 0.98], guess[truth < 0.02] = 1, 0
+    border = [np.rot90(one, -side)[0] for one in (closed_form_matte(guide, guess), truth, guess)]
+    matte, truth, guess = border
+    assert np.abs(matte - truth)[guess == 0.5].max() < 0.1
+    assert ((matte > 0.2) & (matte < 0.8)).sum() >= 8
+
+
+def test_colours_beyond_both_sides_are_no_more_than_all_and_no_less_than_none():
+    guide, guess = np.full((24, 24, 3), 0.4), np.zeros((24, 24))
+    guide[:, 12], guess[:, 12] = 0.6, 1
+    guide[:, 13:], guess[:, 13:] = 0.9, 0.5
+    for likely, end in ((guess, 1.0), (1 - guess, 0.0)):
+        assert (closed_form_matte(guide, likely)[:, 13:] == end).all()

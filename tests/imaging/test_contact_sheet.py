@@ -41,6 +41,14 @@ def test_a_label_stands_below_its_picture():
     assert rows.min() >= 88
     assert rows.max() < 88 + 22
     assert columns.min() + columns.max() == pytest.approx(2 * 48, abs=4)
+    assert named[88:110].max() > 180
+
+
+def test_a_picture_that_is_shrunk_is_averaged():
+    stripes = np.zeros((400, 400, 3), np.float32)
+    stripes[:, ::2] = 1
+    shown = contact_sheet([("", stripes)], columns=1, cell_px=40)[12:44, 12:44]
+    assert 110 < shown.min() <= shown.max() < 146
 
 
 def test_colours_are_rounded_to_the_nearest_code_and_kept_within_range():

@@ -29,6 +29,8 @@ def test_each_channel_follows_its_own_curve():
     profile = MatrixProfile(np.stack([np.linspace(0, 1, 4096) ** power for power in (1.0, 2.0, 3.0)]), np.eye(3))
     codes = codes_8_bit(np.full((1, 1, 3), 0.125, np.float32), profile)
     np.testing.assert_array_equal(codes[0, 0], (32, 90, 127))
+    codes = codes_8_bit(np.float32([[[0.5, 0.125, 0.008]]]), profile)
+    np.testing.assert_array_equal(codes[0, 0], (128, 90, 51))
 
 
 def test_codes_are_the_nearest():

@@ -43,6 +43,16 @@ def test_a_waveform_shows_a_ramp_as_a_rising_line():
     assert (rows == 127 - columns // 2).all()
 
 
+def test_a_picture_narrower_than_its_waveform_is_spread_over_it():
+    codes = np.repeat(np.uint8([10, 100, 200])[None, :, None], 3, axis=2)
+    rows, columns = np.nonzero(waveform(codes, columns=9, rows=256)[..., 0].T)[::-1]
+    assert columns.tolist() == list(range(9))
+    assert rows.tolist() == [245] * 3 + [155] * 3 + [55] * 3
+    counts = waveform(codes, columns=9, rows=256, seen=np.array([[False, True, False]]))
+    assert counts[155, 3:6].min() == 1
+    assert counts.sum() == 3 * 3
+
+
 @pytest.mark.parametrize("draw", [histogram_picture, waveform_picture])
 @pytest.mark.parametrize("code", [0, 128, 255])
 def test_the_pictures_of_a_flat_picture_are_finite_and_show_something(draw, code):
@@ -58,14 +68,29 @@ def test_a_red_picture_makes_a_red_peak():
     codes[..., 0] = 200
     peak = histogram_picture(codes)[-1, 200].astype(int)
     assert peak[0] > 2 * max(peak[1], peak[2])
+    assert peak[3] == 255
+    trace = waveform_picture(codes)[127 - 100, 128]
+    assert (trace[0] > 200, trace[1:3].max(), trace[3] > 200) == (True, 0, True)
+
+
+def test_columns_of_a_histogram_grow_from_below_and_are_as_wide_to_either_side():
+    codes = np.zeros((1, 300, 3), np.uint8)
+    codes[:, :100], codes[:, 100:150] = 80, 160
+    coverage = histogram_picture(codes)[..., 3]
+    assert coverage.shape == (96, 256)
+    full = (coverage == 255).sum(0)
+    assert (full[80], full[160]) == (96, 48)
+    assert full[79] == full[81] == 48
+    assert coverage[-1, 160] == 255
+    assert coverage[0, 160] == 0
 
 
 def test_extremes_tell_dark_bright_and_bad_apart():
     linear = np.full((10, 10, 3), 0.5, np.float32)
     linear[0] = 0.0
     linear[1, :5, 0] = 1.0
-    linear[2, :2] = np.nan
-    linear[2, 2] = np.inf
+    linear[2, :2, 0] = np.nan
+    linear[2, 2, 1] = np.inf
     found = extremes(linear)
     assert (found.too_dark, found.too_bright, found.no_number) == pytest.approx((0.1, 0.05, 0.03))
     assert extremes(linear, 1.0).too_bright == pytest.approx(0.1 * 9 - 0.03)
@@ -100,6 +125,7 @@ def test_what_is_transparent_does_not_count():
     assert waveform(codes, columns=300, rows=64, seen=seen)[-1, :100].min() == 40
     assert waveform(codes, columns=300, rows=64, seen=seen)[:, 100:].max() == 0
     np.testing.assert_array_equal(histogram_picture(codes, seen), histogram_picture(codes[:, :100]))
+    assert waveform_picture(codes, seen)[:, 100:].max() == 0
     assert extremes(codes.astype(np.float32), seen=seen).too_bright == 0
     assert extremes(codes.astype(np.float32), seen=~seen).too_bright == 1
     nobody = extremes(codes.astype(np.float32), seen=np.zeros_like(seen))
@@ -125,3 +151,4 @@ def test_a_waveform_is_no_brighter_for_a_picture_of_more_pixels():
     ramp = np.broadcast_to(np.arange(256, dtype=np.uint8)[:, None, None], (256, 256, 3))
     larger = ramp.repeat(4, 0).repeat(4, 1)
     np.testing.assert_array_equal(waveform_picture(larger), waveform_picture(ramp))
+    np.testing.assert_array_equal(waveform_picture(ramp[:, :64]), waveform_picture(ramp))
