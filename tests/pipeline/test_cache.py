@@ -1,6 +1,9 @@
 """What is kept of a stage's results, and for how long."""
 
-from relight_core.pipeline.cache import StageCache
+import pytest
+
+from relight_core.pipeline import cache as cache_module
+from relight_core.pipeline.cache import StageCache, computed_ms
 
 
 def made_by(cache, keys, keep):
@@ -27,6 +30,7 @@ def test_a_forgotten_stage_is_made_again_and_no_other():
     for name in ("one", "other"):
         cache.run(name, 0, lambda: None, "asked for")
     cache.forget("one")
+    cache.forget("never made")
     assert not cache.has("one", 0)
     assert cache.has("other", 0)
 
@@ -38,3 +42,67 @@ def test_whatever_is_not_of_the_photo_is_forgotten_with_its_light():
     cache.run("paste", 1, lambda: "picture", "new light, slider or background")
     cache.forget_lights()
     assert [cache.has(name, 1) for name in ("delight", "irradiance", "paste")] == [True, False, False]
+
+
+class Clock:
+    """Stands still but where something is made."""
+
+    now_s = 100.0
+
+    def perf_counter(self):
+        return self.now_s
+
+    def takes(self, ms):
+        self.now_s += ms / 1000
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr(cache_module, "time", clock)
+    return clock
+
+
+def test_a_stage_s_time_is_its_own_without_those_that_it_started(clock):
+    cache = StageCache()
+
+    def inner():
+        clock.takes(5)
+        cache.run("innermost", 0, lambda: clock.takes(7), "asked for")
+
+    def outer():
+        clock.takes(1)
+        cache.run("inner", 0, inner, "asked for")
+        cache.run("beside", 0, lambda: clock.takes(3), "asked for")
+        cache.run("inner", 0, inner, "asked for")
+        clock.takes(2)
+
+    cache.record.begin_update()
+    clock.takes(50)
+    cache.run("outer", 0, outer, "asked for")
+    stages = cache.record.stages
+    assert {name: stage.state for name, stage in stages.items()} == dict.fromkeys(stages, "computed")
+    times = {name: (round(stage.start_ms), round(stage.ms)) for name, stage in stages.items()}
+    assert times == {"innermost": (56, 7), "inner": (51, 5), "beside": (63, 3), "outer": (50, 3)}
+    assert computed_ms(stages) == pytest.approx(18)
+    assert cache.record.last_end({"innermost", "inner"}) == pytest.approx(100.063)
+    assert cache.record.last_end({"outer", "inner"}) == pytest.approx(100.068)
+    assert cache.record.last_end({"another"}) is None
+
+
+def test_an_update_tells_what_it_did_and_not_what_others_did(clock):
+    cache = StageCache()
+    cache.record.begin_update()
+    cache.run("light", 0, lambda: clock.takes(9), "new light")
+    before = cache.record.stages
+    clock.takes(1000)
+    cache.record.begin_update()
+    clock.takes(4)
+    cache.run("light", 0, lambda: clock.takes(9), "new light")
+    cache.skip("edges", "no lamp")
+    told = {name: (stage.state, stage.why, stage.ms, round(stage.start_ms)) for name, stage in before.items()}
+    assert told == {"light": ("computed", "new light", pytest.approx(9), 0)}
+    told = {name: (stage.state, stage.ms, round(stage.start_ms)) for name, stage in cache.record.stages.items()}
+    assert told == {"light": ("reused", 0, 4), "edges": ("skipped", 0, 4)}
+    assert computed_ms(cache.record.stages) == 0
+    assert cache.record.typical_ms["light"] == pytest.approx(9)

@@ -41,6 +41,8 @@ def test_the_light_is_every_faces():
     light = Company([Face(light=lamp(4)), Face(light=lamp(20))]).light(TIER)
     assert light[6, 4, 0] == pytest.approx(light[6, 20, 0], rel=1e-5)
     assert light[6, 4, 0] > 100 * light[6, 12, 0]
+    light = Company([Face(light=lamp(4)), Face(light=lamp(20)), Face(light=lamp(4))]).light(TIER)
+    assert light[6, 4, 0] == pytest.approx(2 * light[6, 20, 0], rel=0.01)
 
 
 @pytest.mark.parametrize("ratio", [0.8, 1.0, 1.2])
@@ -62,6 +64,7 @@ def test_what_only_light_explains_is_left_to_the_light(exposure):
 def test_the_level_is_between_theirs():
     assert Company([Face(level=1.0), Face(level=4.0)]).level(TIER, PLAN) == pytest.approx(2.0)
     assert Company([Face(level=1.0), Face(level=4.0), Face(level=16.0)]).level(TIER, PLAN) == pytest.approx(4.0)
+    assert Company([Face(level=1.0), Face(level=1e-4)]).level(TIER, PLAN) == pytest.approx(0.01)
 
 
 @pytest.mark.parametrize("nothing", [0.0, 1e-9])
