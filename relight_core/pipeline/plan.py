@@ -136,7 +136,7 @@ _STAGE_OF = {
     "background": "background",
     "channels": "channels",
 }
-_ANSWERS_THE_LIGHT = ("shadow", "hard_shadow", "specular", "correction", "sliders", "detail", "channels")
+_ANSWERS_THE_LIGHT = ("shadow", "hard_shadow", "specular", "correction", "sliders", "detail", "catchlights", "channels")
 
 
 def make_plan(
@@ -367,7 +367,8 @@ def _effect(
     if not verdict.needed:
         return Effect(name, "skipped", verdict.why, verdict.bound, forced, saved_ms)
     # Also what is computed now is computed for the light that serves.
-    of_light = scene.light_bound if name in _ANSWERS_THE_LIGHT else 0.0
+    answers = name in _ANSWERS_THE_LIGHT or (name == "background" and edit.background == "match")
+    of_light = scene.light_bound if answers else 0.0
     bound = None if verdict.bound is None else of_light
     if not kept(stage, keys[stage]):
         return Effect(name, "computed", verdict.why, bound, forced, 0.0)
