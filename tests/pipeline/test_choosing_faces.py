@@ -1,6 +1,7 @@
 """Which of the boxes that cascades found, guesses and located faces are taken for faces."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -199,7 +200,7 @@ def test_a_guess_that_shows_half_a_face_gives_way_to_a_whole_one(
     assert [found.x0 for found in chosen] == [left]
 
 
-@pytest.mark.parametrize(("width", "roll_deg", "left"), [(5, 120, 2), (5, 0, 4), (10, 120, 4)])
+@pytest.mark.parametrize(("width", "roll_deg", "left"), [(5, 120, 2), (5, -120, 2), (5, 0, 4), (10, 120, 4)])
 def test_a_guess_that_lies_in_a_much_larger_face_that_stands_gives_way_to_it(monkeypatch, photo, width, roll_deg, left):
     half, face = FaceBox(4, 4, 4 + width, 4 + width, roll_deg, True), FaceBox(2, 2, 12, 14, doubtful=True)
     seeing(monkeypatch, [], [half])
@@ -248,12 +249,12 @@ def test_windows_that_lead_near_a_face_are_no_agreement_about_it(monkeypatch, ph
         choose_faces(photo, lambda box: 1, lambda view: next(places), glimpse=lambda box: 3)
 
 
-@pytest.mark.parametrize(("top", "left"), [(4, 2), (13, 4)])
-def test_a_guess_that_lies_below_a_face_is_no_part_of_it(monkeypatch, photo, top, left):
-    part, face = FaceBox(4, top, 9, top + 5, 120.0, True), FaceBox(2, 2, 12, 14, doubtful=True)
+@pytest.mark.parametrize(("left", "top", "is_part"), [(4, 4, True), (4, 13, False), (11, 4, False), (-3, 4, False)])
+def test_a_guess_that_lies_below_or_beside_a_face_is_no_part_of_it(monkeypatch, photo, left, top, is_part):
+    part, face = FaceBox(left, top, left + 5, top + 5, 120.0, True), FaceBox(2, 2, 12, 14, doubtful=True)
     seeing(monkeypatch, [], [part])
     chosen = choose_faces(photo, lambda box: 2, lambda view: face, glimpse=lambda box: 3)
-    assert [found.x0 for found in chosen] == [left]
+    assert [found.x0 for found in chosen] == [2 if is_part else left]
 
 
 @pytest.mark.parametrize("size", [(20, 60), (60, 20)])
@@ -287,3 +288,8 @@ def test_one_face_is_chosen_by_its_number(photo):
             those_chosen(photo, [SURE, DOUBTFUL], number)
     with pytest.raises(InputError, match="it has 1 face, number 0"):
         those_chosen(photo, [SURE], 1)
+    named = replace(photo, path=Path("group.jpg"))
+    with pytest.raises(InputError, match="^group.jpg: there is no face number 1"):
+        those_chosen(named, [SURE], 1)
+    with pytest.raises(InputError, match="^group.jpg: no face found"):
+        those_chosen(named, [], None)

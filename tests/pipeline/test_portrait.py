@@ -1,6 +1,7 @@
 """The view of a face that the networks see."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -46,12 +47,21 @@ def eyes_in(view, eyes):
     return labels
 
 
-@pytest.mark.parametrize(("x", "y"), [(20, 30), (130, 20), (70, 60), (140, 150)])
-def test_a_view_is_wider_than_its_crop_and_shows_nothing_beyond_the_photo(x, y):
-    portrait = frame(Photo(np.full((240, 200, 3), 0.4, np.float32)), FaceBox(x, y, x + 40, y + 56))
+@pytest.mark.parametrize(
+    ("x", "y", "width", "height"),
+    [(20, 30, 40, 56), (130, 20, 40, 56), (70, 60, 40, 56), (140, 150, 40, 56), (60.3, 60.4, 100, 120)],
+)
+def test_a_view_is_wider_than_its_crop_and_shows_nothing_beyond_the_photo(x, y, width, height):
+    portrait = frame(Photo(np.full((240, 200, 3), 0.4, np.float32)), FaceBox(x, y, x + width, y + height))
     x0, y0, x1, y1 = portrait.view.window
     assert 0 <= x0 < x1 <= 200
     assert 0 <= y0 < y1 <= 240
+    left, top, right, bottom = portrait.crop.window
+    assert x0 <= max(left, 0) + 0.5
+    assert y0 <= max(top, 0) + 0.5
+    assert x1 >= min(right, 200) - 0.5
+    assert y1 >= min(bottom, 240) - 0.5
+    assert all(edge == round(edge) for edge in portrait.view.window), "pixels of the photo are not mixed"
     assert portrait.view.side == round(min(1.7 * portrait.crop.side, 200))
 
 
@@ -73,7 +83,9 @@ def test_the_view_of_a_leaning_face_stays_about_it_where_the_photo_ends():
     assert portrait.view.roll_deg == 30
 
 
-@pytest.mark.parametrize(("found_deg", "leaning_deg"), [(0, 12), (0, -12), (0, 25), (20, 25), (20, 14), (-20, -40)])
+@pytest.mark.parametrize(
+    ("found_deg", "leaning_deg"), [(0, 12), (0, -12), (0, 25), (20, 25), (20, 14), (-20, -40), (-20, -26)]
+)
 def test_a_head_that_leans_is_turned_upright(found_deg, leaning_deg):
     portrait, eyes = frame(PHOTO, replace(FOUND, roll_deg=float(found_deg))), eyes_at(leaning_deg)
     upright = straightened(portrait, eyes_in(portrait.view, eyes)).view
@@ -97,6 +109,17 @@ def test_the_face_is_where_the_parsing_has_it():
     assert refined.crop == crop_with_padding(box)
     assert [refined.view.centre_x, refined.view.centre_y] == pytest.approx([191, 202.5], abs=2)
     assert refined.view.side == pytest.approx(1.7 * refined.crop.side, abs=1)
+
+
+@pytest.mark.parametrize(
+    "box",
+    [(150, 170, 193, 250), (150, 170, 233, 250), (150, 170, 210, 226), (150, 150, 210, 280)],
+    ids=["narrower", "wider", "lower", "taller"],
+)
+def test_a_parsing_that_has_somewhat_less_or_more_of_the_face_is_believed(box):
+    portrait = frame(PHOTO, FOUND)
+    face = refine(portrait, parsing_of(portrait.view, *box)).face
+    assert [face.x0, face.y0, face.x1, face.y1] == pytest.approx(box, abs=1.5)
 
 
 @pytest.mark.parametrize(
@@ -192,3 +215,11 @@ def test_boxes_that_reach_into_the_photo_are_kept():
     assert checked_boxes(PHOTO, boxes) == boxes
     at_the_foot = FaceBox(10.0, 370.0, 60.0, 398.0)
     assert checked_boxes(PHOTO, [at_the_foot]) == [at_the_foot]
+    nearly_four_times_as_large = FaceBox(-600.0, 10.0, 990.0, 60.0)
+    assert checked_boxes(PHOTO, [nearly_four_times_as_large]) == [nearly_four_times_as_large]
+
+
+@pytest.mark.parametrize("box", [FaceBox(-60.0, 10.0, -10.0, 60.0), FaceBox(-700.0, 10.0, 1000.0, 60.0)])
+def test_who_draws_a_wrong_box_is_told_over_which_photo(box):
+    with pytest.raises(InputError, match="^me.jpg: the box of a face"):
+        checked_boxes(replace(PHOTO, path=Path("me.jpg")), [box])

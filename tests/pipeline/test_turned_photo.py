@@ -70,9 +70,11 @@ def test_corners_at_right_angles_are_of_one_turned_photo_wherever_they_are():
         [(False, False, 60, 40), (False, True, 40, 60)],
         [(False, True, 40, 60), (True, False, 40, 60)],
         [(True, False, 40, 60), (True, True, 60, 40)],
+        # Along all of the left and the right border.
+        [(False, False, 300, 60), (True, True, 300, 60)],
     ):
         found = filled_corners(with_corners(*corners))
-        covered = sum(down * across / 2 for _, _, down, across in corners)
+        covered = sum(across * min(down, 240) * (1 - min(down, 240) / down / 2) for _, _, down, across in corners)
         assert found.sum() == pytest.approx(covered, rel=0.25), corners
 
 
@@ -80,6 +82,7 @@ def test_corners_of_two_colours_or_at_other_angles_are_of_no_turned_photo():
     corners = [(False, False, 60, 40), (True, True, 60, 40)]
     assert filled_corners(with_corners(*corners, colours=((0.9, 0.9, 0.9), (0.9, 0.9, 0.6)))) is None
     assert filled_corners(with_corners(corners[0], (True, True, 40, 60))) is None
+    assert filled_corners(with_corners(corners[0], (True, True, 60, 48))) is None
     assert filled_corners(with_corners(corners[0], (False, True, 60, 40))) is None
 
 
