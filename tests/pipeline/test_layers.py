@@ -175,6 +175,10 @@ def test_a_picture_made_small_for_the_screen_is_exported_at_the_photos_size():
     assert np.array_equal(photo_layers(small, ["albedo"])["RGB"], whole)
     assert photo_layers(small, ["albedo"])["albedo"][30, 40].min() == pytest.approx(0.8)
     assert np.array_equal(shrunk_picture(small, None)[0], whole)
+    drawn_by_a_shader = replace(small, image=None)
+    assert np.array_equal(photo_layers(drawn_by_a_shader, [])["RGB"], whole)
+    assert shrunk_picture(drawn_by_a_shader, 40)[0].shape == (30, 40, 3)
+    assert shrunk_picture(drawn_by_a_shader, 500)[0].shape == (HEIGHT, WIDTH, 3)
 
 
 def test_layers_that_are_not_there_are_left_out_and_unknown_ones_refused():
