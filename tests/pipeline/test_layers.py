@@ -58,7 +58,7 @@ def test_every_layer_has_the_pictures_size_and_lies_where_the_view_is(longest, s
 def test_of_several_faces_each_place_shows_the_one_whose_middle_is_nearest():
     views = Crop(20.0, 30.0, 40.0), Crop(50.0, 30.0, 40.0, roll_deg=90.0)
     faces = [{"albedo": np.full((SIDE, SIDE, 3), share, np.float32)} for share in (0.25, 0.75)]
-    faces[1]["normal"] = faces[0]["normal"] = np.broadcast_to(np.float32([0.6, 0.0, 0.8]), (SIDE, SIDE, 3))
+    faces[1]["normal"] = faces[0]["normal"] = np.broadcast_to(np.float32([0.3, 0.0, 0.4]), (SIDE, SIDE, 3))
     canvas = SimpleNamespace(photo_size=(HEIGHT, WIDTH), beyond=None)
     full = SimpleNamespace(size=(HEIGHT, WIDTH), changes=[SimpleNamespace(view=view) for view in views], canvas=canvas)
     layers = photo_layers(replace(relit(), full=full, channels_together=lambda: faces), ["albedo", "normal", "shadow"])
