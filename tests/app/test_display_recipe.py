@@ -25,6 +25,7 @@ from app.ui.viewport.view import Placement
 from app.window.gl_recipe import RelitSlot
 from relight_core.face.crop import Crop
 from relight_core.imaging.black_level import Black
+from relight_core.pipeline.results.backdrop import Backdrop
 from relight_core.pipeline.results.display import fits_a_recipe, person_layers, recipe_of
 from relight_core.pipeline.results.picture import PlacedCatchlight, PlacedChange
 
@@ -225,6 +226,29 @@ def test_pixels_that_no_hand_comes_back_to_are_freed(context, monkeypatch, is_cl
 @pytest.mark.parametrize(("faces", "fits"), [(0, False), (16, True), (17, False)])
 def test_too_many_faces_make_no_recipe(faces, fits):
     assert fits_a_recipe(some_picture(BACKDROPS["keep"], ONE * faces)) is fits
+
+
+def test_maps_that_are_longer_one_below_the_other_than_drivers_take_make_no_recipe():
+    picture = some_picture(BACKDROPS["keep"])
+    for rows, fits in ((4096, True), (4097, False)):
+        tall = np.broadcast_to(np.float32(0), (rows, 1, 3))
+        assert fits_a_recipe(replace(picture, changes=(PlacedChange(tall, tall, ONE[0]),) * 2)) is fits
+
+
+@pytest.mark.parametrize("share", [0.0, 1.0])
+def test_a_photo_brighter_than_half_floats_hold_is_as_bright_as_they_do(share):
+    picture = some_picture(BACKDROPS["keep"])
+    canvas = replace(picture.canvas, linear=np.full_like(picture.canvas.linear, 1e6))
+    layers = person_layers(canvas, replace(picture.matte, level=np.full_like(picture.matte.level, share)))
+    assert layers.person[..., :3].min() == layers.person[..., :3].max() == 65504 * share
+    assert layers.behind.min() == layers.behind.max() == 65504 * (1 - share)
+
+
+def test_a_sun_behind_the_person_is_as_bright_as_half_floats_hold():
+    sun = np.full((4, 4, 3), 1e6, np.float32)
+    picture = some_picture(Backdrop(picture=sun, soft=sun))
+    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte))
+    assert recipe.backdrop.max() == recipe.soft.max() == 65504
 
 
 @pytest.mark.parametrize("backdrop", ["keep", "match", "colour", "light"])
