@@ -291,17 +291,14 @@ def test_by_how_much_a_person_changes_is_a_mean_of_factors_over_the_person_alone
     np.testing.assert_allclose(mean_gain(placement, exposure * gain), 2 * exposure, rtol=1e-3)
 
 
-def rest_of_person(exposure=1.0, level=1.0, tone=None):
+def rest_of_person(exposure=1.0, level=1.0, tone=None, colour=(0.5, 0.25, 0.15), offset=0.05):
     """The gain of the rest of somebody who fills a photo in some units, below a view that a light dims."""
-    linear, whole = (
-        np.full((90, 60, 3), (0.5, 0.25, 0.15), np.float32) / np.float32(exposure),
-        np.ones((1, 1), np.float32),
-    )
+    linear, whole = np.full((90, 60, 3), colour, np.float32) / np.float32(exposure), np.ones((1, 1), np.float32)
     linear[60:] *= 0.3
     matte = Matte(0 * whole, whole, linear[:1, :1], linear[:1, :1], whole)
     canvas, view, photo = Canvas(linear, None, (90, 60)), Crop(30.0, 25.0, 50.0), PhotoProperties(exposure, tone)
     placement = place_views(canvas, [view], matte, ReflectionTable(), photo=photo)
-    maps = (np.full((16, 16, 3), value * level, np.float32) for value in (0.5 * exposure, 0.05))
+    maps = (np.full((16, 16, 3), value * level, np.float32) for value in (0.5 * exposure, offset))
     return gain_of_rest(placement, [ViewChange(*maps, level)], EVEN)
 
 
@@ -317,3 +314,21 @@ def test_the_rest_of_a_person_is_relit_alike_in_any_units(tone):
 
 def test_the_rest_of_a_person_is_as_bright_as_the_light():
     np.testing.assert_allclose(rest_of_person(level=8.0), 8 * rest_of_person(), rtol=1e-3)
+
+
+def test_what_a_light_adds_to_a_face_lights_the_rest_of_the_person_too():
+    assert rest_of_person(offset=0.2).mean() > 1.2 * rest_of_person(offset=0.0).mean()
+
+
+SHARE = np.linspace(0, 1, 5000, dtype=np.float32)[:, None]
+SPLIT = SHARE * (np.float32([0.6, 0.95, 1.6]) * (1 - SHARE) + np.float32([1.25, 1.0, 0.6]) * SHARE)
+"""Blue where it is dark, and yellow where it is bright."""
+
+
+@pytest.mark.parametrize("level", [0.5, 1.0, 2.5])
+def test_the_rest_of_a_person_in_a_toned_photo_has_the_tone_of_what_it_is_lit_to(level):
+    tone, colour = tone_of(SPLIT), SPLIT[2000]
+    gain = rest_of_person(level=level, tone=tone, colour=colour)
+    lit = (gain * colour)[: len(gain) // 2].mean((0, 1))
+    expected = tone.at(lit @ np.float32([0.2126, 0.7152, 0.0722]))
+    assert lit[0] / lit[2] == pytest.approx(expected[0] / expected[2], rel=0.05)
