@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from relight_core.errors import NoFaceError
+from relight_core.face.crop import Crop
 from relight_core.face.find import FaceBox
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.photo import Photo
@@ -77,3 +78,13 @@ def test_paper_shows_nobody_whatever_the_parsing_sees_in_it(monkeypatch):
     for contrast in (0.0, 0.05):
         with pytest.raises(NoFaceError):
             search(contrast).faces()
+
+
+def test_a_view_is_read_once_however_often_it_is_asked_about(monkeypatch):
+    search, read = Drawn(0.75, 1000), []
+    parse = search._parse
+    monkeypatch.setattr(search, "_parse", lambda view: read.append(view) or parse(view))
+    view, other = Crop(500.0, 500.0, 300.0), Crop(500.0, 500.0, 320.0)
+    for asked in (view, other, Crop(500.0, 500.0, 300.0)):
+        np.testing.assert_array_equal(search.labels(asked), search.parsing(asked).argmax(0))
+    assert read == [view, other]

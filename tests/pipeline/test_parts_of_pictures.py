@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from relight_core.face.crop import Crop
+from relight_core.face.paste import Band
+from relight_core.imaging.black_level import Black
 from relight_core.pipeline.per_photo.matte import Matte
-from relight_core.pipeline.per_photo.person import Canvas
+from relight_core.pipeline.per_photo.person import Canvas, whole_person
 from relight_core.pipeline.results.backdrop import Backdrop
 from relight_core.pipeline.results.picture import Picture, PlacedCatchlight, PlacedChange
 
@@ -69,10 +71,55 @@ def test_drawing_a_picture_leaves_the_photo_as_it_is(backdrop):
 
 
 def test_an_eye_that_is_less_than_a_pixel_of_a_copy_is_no_fault_and_no_larger_than_that():
-    eye = PlacedCatchlight(np.full((40, 40, 3), 5.0, np.float32), Crop(1600.0, 2000.0, 40.0))
+    eye = PlacedCatchlight(np.full((40, 40, 3), 5.0, np.float32), Crop(1650.0, 2050.0, 40.0))
     picture = some_picture(BACKDROPS["keep"])
     tiny = replace(picture, canvas=replace(picture.canvas, photo_size=(4500, 3300)))
     lit = replace(tiny, catchlights=(eye,)).render()[0]
     changed = (np.abs(lit - tiny.render()[0]) > 1e-6).any(-1)
     assert np.isfinite(lit).all()
-    assert changed.sum() <= 1
+    assert changed.sum() == 1
+
+
+def with_all_there_is(backdrop):
+    """A picture with light over all of it, which some pixels are darker than, and with colours outside Rec.709."""
+    picture, rng = some_picture(BACKDROPS[backdrop]), np.random.default_rng(2)
+    black = Black(np.float32([0.02, 0.03, 0.05]), 0.5)
+    linear = np.where(rng.random((*SIZE, 1)) < 0.3, -0.02, picture.canvas.linear).astype(np.float32)
+    beyond = rng.uniform(-0.01, 0.01, (*SIZE, 3)).astype(np.float16)
+    return replace(picture, canvas=replace(picture.canvas, linear=linear, beyond=beyond, black=black))
+
+
+@pytest.mark.parametrize("wide", [False, True])
+@pytest.mark.parametrize("backdrop", ["keep", "match", "colour"])
+def test_what_is_behind_is_the_picture_of_a_person_without_light_also_under_what_lies_over_it(backdrop, wide):
+    lit = replace(with_all_there_is(backdrop), wide=wide)
+    unlit = tuple(replace(change, gain=0 * change.gain, offset=0 * change.offset) for change in lit.changes)
+    dark = replace(lit, changes=unlit, rest=0 * lit.rest)
+    share = whole_person(lit.canvas, lit.matte).share[..., None]
+    over_the_person = share * lit.canvas.black.level
+    behind = lit.behind(Band(3, 40, SIZE, SIZE))
+    np.testing.assert_allclose(behind, (dark.render()[0] - over_the_person)[3:40], atol=1e-5)
+
+
+@pytest.mark.parametrize("backdrop", BACKDROPS)
+def test_colours_outside_rec_709_are_in_the_bands_that_are_asked_for_them_alone(backdrop):
+    picture = with_all_there_is(backdrop)
+    plain, wide = picture.render()[0], replace(picture, wide=True).render()[0]
+    without = replace(picture, canvas=replace(picture.canvas, beyond=None)).render()[0]
+    np.testing.assert_array_equal(plain, without)
+    assert plain.min() >= 0
+    assert np.abs(wide - plain).max() > 1e-3
+    for asked, expected in ((False, plain), (True, wide)):
+        rows = np.concatenate([part for _, part, _ in picture.in_bands(11, wide=asked)])
+        np.testing.assert_allclose(rows, expected, atol=1e-6)
+
+
+@pytest.mark.parametrize("backdrop", BACKDROPS)
+def test_parts_of_a_picture_whose_person_is_kept_are_those_of_any(backdrop):
+    picture = with_all_there_is(backdrop)
+    kept = replace(picture, person=whole_person(picture.canvas, picture.matte))
+    for one, other in zip(kept.part((4, 7, 21, 40)), picture.part((4, 7, 21, 40)), strict=True):
+        assert (one is None) == (other is None)
+        if one is not None:
+            np.testing.assert_allclose(one, other, atol=1e-6)
+    np.testing.assert_allclose(kept.pixel(20, 16)[0], picture.render()[0][20, 16], atol=1e-6)
