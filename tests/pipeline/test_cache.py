@@ -40,8 +40,13 @@ def test_whatever_is_not_of_the_photo_is_forgotten_with_its_light():
     cache.of_photo("delight", 1, lambda: "face")
     cache.run("irradiance", 1, lambda: "light", "new light")
     cache.run("paste", 1, lambda: "picture", "new light, slider or background")
+    of_photo = {name for name, stage in cache.record.stages.items() if stage.is_of_photo}
+    assert of_photo == {"delight"}
     cache.forget_lights()
     assert [cache.has(name, 1) for name in ("delight", "irradiance", "paste")] == [True, False, False]
+    for size in (2, 3):
+        cache.of_photo("delight", size, lambda: "face", keep=2)
+    assert [cache.has("delight", size) for size in (1, 2, 3)] == [False, True, True]
 
 
 class Clock:

@@ -40,6 +40,7 @@ def test_an_effect_is_reused_where_its_own_stage_is_kept_and_computed_for_any_ot
     reused = {effect.name for effect in plan.effects if effect.state == "reused"}
     assert reused == {effect for effect, stage in STAGES.items() if stage == kept}
     assert {effect.state for effect in plan.effects} == {"reused", "computed"}
+    assert all(plan.runs(effect) for effect in STAGES)
 
 
 @pytest.mark.parametrize(("background", "follows"), [("match", True), ("light", False), ("#203040", False)])
@@ -86,6 +87,7 @@ def test_it_counts_lamps_and_readers_as_people_do():
     assert why == "turned off by you; flattening and residual and catchlights still use it"
     off = replace(EDIT, forced_off=frozenset({"source_light", "flattening", "residual"}))
     assert make_plan(EVERYTHING, off).effect("source_light").why == "turned off by you; catchlights still uses it"
+    off = replace(EDIT, channels=("albedo",), forced_off=frozenset({"residual"}))
     assert make_plan(EVERYTHING, off).effect("residual").why == "turned off by you"
 
 
