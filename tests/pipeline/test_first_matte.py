@@ -50,3 +50,15 @@ def test_within_a_frame_the_matte_is_that_of_the_picture_alone_and_its_edges_go_
     matte = first_matte_within(cells, framed, seen, (220, 230))
     np.testing.assert_allclose(matte[cells], alone, atol=1e-5)
     np.testing.assert_allclose(matte[200:, 80:160], np.broadcast_to(alone[-1, 40:120], (20, 80)), atol=0.05)
+
+
+def test_who_is_known_not_to_be_meant_is_left_out_of_whoever_is_beside_them():
+    guide, everybody = somebody_by_a_trunk(1.0)
+    _, somebody = somebody_by_a_trunk(0.0)
+    view, whole = Crop(95.0, 85.0, 100.0), Crop(80.0, 80.0, 160.0)
+    people = [[(view.extract(everybody, 160), view)]]
+    others = [[(everybody - somebody, whole)]]
+    both, one = (first_matte(guide, SeenPeople(people, (), them), (SIZE, SIZE)) for them in ((), others))
+    assert both[70:110, 124:136].min() > 0.9
+    assert one[70:110, 124:136].max() < 0.2
+    assert min(both[60, 80], one[60, 80]) > 0.9
