@@ -39,6 +39,7 @@ from relight_core.pipeline.per_light.hints import (
 )
 from relight_core.pipeline.per_light.shadow_colour import shadow_colour_odds
 from relight_core.pipeline.per_photo.blown import clipped_share, mend_blown
+from relight_core.pipeline.per_photo.brims import with_whole_brims
 from relight_core.pipeline.per_photo.dull_black import gloss_of_black
 from relight_core.pipeline.per_photo.frames import without_frames
 from relight_core.pipeline.per_photo.white_collar import with_white_collar
@@ -162,6 +163,7 @@ def _mended(photo, clipped, albedo, normal, relief, parsing, light) -> Surface:
     albedo = mend_blown(clipped, albedo, parsing)
     balls = with_eyeballs(unit_normals(normal)[0].cpu().numpy(), parsing[0].cpu().numpy())
     normal = torch.from_numpy(balls)[None].to(photo.device)
+    relief = with_whole_brims(relief, parsing)
     return Surface(photo, albedo, normal, relief, parsing, _solid(parsing), light)
 
 
