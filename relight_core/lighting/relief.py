@@ -160,7 +160,7 @@ def _transport(horizon: torch.Tensor, normal: torch.Tensor, covered: torch.Tenso
     return ReliefTransport(unshadowed, unshadowed * visible, size, normal)
 
 
-def march_distances(size: int, steps: int) -> list[float]:
+def _march_distances(size: int, steps: int) -> list[float]:
     """How far from a point its horizon is looked for, in half-widths of an image of `size` pixels.
 
     From about the next pixel on, ever further apart: what is near hides light by small steps.
@@ -185,7 +185,7 @@ def horizon_slopes(relief: torch.Tensor, covered: torch.Tensor, azimuth_rad: tor
     step = torch.stack([azimuth_rad.cos(), -azimuth_rad.sin()], -1)
     field = height.expand(len(azimuth_rad), *height.shape)
     steepest = torch.full_like(field, NOTHING)
-    for distance in march_distances(size, _STEPS):
+    for distance in _march_distances(size, _STEPS):
         position = grid + (distance * step)[:, None, None]
         sampled = F.grid_sample(field, position, mode="bilinear", padding_mode="border", align_corners=False)
         across, down = ((axis + distance * along[:, None]).abs() < 1 for along in step.unbind(-1))
