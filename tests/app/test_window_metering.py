@@ -153,6 +153,7 @@ def test_a_saved_session_knows_whether_its_light_is_metered(opened, sunny, photo
         assert read_session(path).document.light_edit.metered is metered
         opened.light("ring")
         opened.drop(path)
+        opened.answer("Replace it")
         assert level(opened) == pytest.approx(shown_level)
         assert not opened.window.state.is_unsaved()
 
