@@ -34,7 +34,7 @@ from app.cli.outputs import (
 from app.cli.report import FileTimes, Report, relit_line, relit_record, reporting
 from app.cli.session import Session, light_files
 from app.cli.streams import tell
-from app.engine.batch import Outcome, photos_in, relight_each, summary
+from app.engine.batch import Outcome, is_done, photos_in, relight_each, summary
 from app.engine.sources import PANORAMA_SUFFIXES
 from relight_core.errors import InputError
 from relight_core.imaging.files import KnownFiles
@@ -137,7 +137,7 @@ def _render_each(
 
     outcomes, written = [], []
     tasks = list(zip(arguments.photos, outputs, strict=True))
-    for outcome in relight_each(tasks, one, arguments.resume):
+    for outcome in relight_each(tasks, one, is_done if arguments.resume else None):
         outcomes.append(outcome)
         if outcome.state == "failed":
             _tell_failure(outcome)

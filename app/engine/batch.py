@@ -26,7 +26,7 @@ class Outcome:
 
     Attributes:
         photo, output: the files.
-        state: "written", "kept" (it was there already and is newer than the photo) or "failed".
+        state: "written", "kept" (it was there already and was left alone) or "failed".
         error: why it failed.
         result: what the work returned.
         fault: where it failed, as Python tells it, if that is a fault of ours and not of the photo; else empty.
@@ -41,20 +41,22 @@ class Outcome:
 
 
 def relight_each(
-    tasks: Sequence[tuple[Path, Path]], relight_one: Callable[[Path, Path], object], resume: bool = False
+    tasks: Sequence[tuple[Path, Path]],
+    relight_one: Callable[[Path, Path], object],
+    kept_if: Callable[[Path, Path], bool] | None = None,
 ) -> Iterator[Outcome]:
     """Do the work for photo after photo; what goes wrong with one doesn't stop the others.
 
     Args:
         tasks: photo and output of each.
         relight_one: writes one output from one photo.
-        resume: leave outputs alone that are newer than their photos.
+        kept_if: whether to leave an output alone, asked when its photo's turn comes; None makes all of them.
 
     Raises:
         Exception: memory has run out, or nobody reads what is told: no other photo would fare better.
     """
     for photo, output in tasks:
-        if resume and is_done(photo, output):
+        if kept_if is not None and kept_if(photo, output):
             yield Outcome(photo, output, "kept")
             continue
         try:

@@ -125,22 +125,21 @@ def _open(state: EditorState, paths: Sequence[Path], light_follows: bool = False
     notes += _left_out(lights[1:], "open one panorama at a time")
     _tell(state, notes)
     session = next((path for path in ours[:1] if kind_of(path) != "light"), None)
+
+    def open_rest() -> None:
+        if lights:
+            state.open_light(LightSource.named(str(lights[0])))
+        if photos and session is not None:
+            state.queue = _queue_with(state.photo.path, photos)
+        elif photos:
+            state.open_photos(photos)
+
     if session is not None:
-        open_session(state, session, light_follows or bool(lights), lambda: _open_beside_session(state, lights, photos))
+        open_session(state, session, light_follows or bool(lights), open_rest)
         return
     if ours:
         use_as_light(state, ours[0])
-    if lights:
-        state.open_light(LightSource.named(str(lights[0])))
-    if photos:
-        state.open_photos(photos)
-
-
-def _open_beside_session(state: EditorState, lights: Sequence[Path], photos: Sequence[Path]) -> None:
-    if lights:
-        state.open_light(LightSource.named(str(lights[0])))
-    if photos:
-        state.queue = _queue_with(state.photo.path, photos)
+    open_rest()
 
 
 def _queue_with(opened: Path, photos: Sequence[Path]) -> PhotoQueue:

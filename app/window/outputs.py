@@ -195,15 +195,13 @@ class Outputs:
         def work(control: JobControl) -> str:
             _make_folder(folder)
             relighter = self._make_relighter()
-            kept = [] if replaces else [task for task in tasks if os.path.lexists(task[1])]
+            # Asked again when its turn comes: another window may make it meanwhile, and nobody agreed to replace that.
+            kept_if = None if replaces else lambda _, output: os.path.lexists(output)
+            kept = [task for task in tasks if kept_if and kept_if(*task)]
             outcomes = [Outcome(*task, "kept") for task in kept]
             control.step(len(kept), len(tasks))
-            for task in [task for task in tasks if task not in kept]:
-                # Another window may have made one meanwhile, and nobody agreed to replace that.
-                if not replaces and os.path.lexists(task[1]):
-                    outcomes.append(Outcome(*task, "kept"))
-                    continue
-                (outcome,) = relight_each([task], partial(one, relighter))
+            left = [task for task in tasks if task not in kept]
+            for outcome in relight_each(left, partial(one, relighter), kept_if):
                 outcomes.append(outcome)
                 if outcome.fault:
                     _log.error("Batch: %s\n%s", outcome.error, outcome.fault)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from app.engine.batch import Outcome, batch_tasks, photos_in, reasons, relight_each, summary
+from app.engine.batch import Outcome, batch_tasks, is_done, photos_in, reasons, relight_each, summary
 
 
 def outcomes(*states):
@@ -45,7 +45,7 @@ def test_a_file_keeps_its_date_unless_its_photo_s_is_later(tmp_path, photo_s, ou
 
     (outcome,) = relight_each([(photo, output)], one)
     assert (outcome.state, output.stat().st_mtime) == ("written", dated_s)
-    (again,) = relight_each([(photo, output)], one, resume=True)
+    (again,) = relight_each([(photo, output)], one, kept_if=is_done)
     assert again.state == "kept"
 
 

@@ -9,7 +9,7 @@ import pytest
 from fake_relighter import LONG_S, FakeRelighter
 from PIL import Image
 
-from app.engine.batch import photos_in, relight_each, summary
+from app.engine.batch import is_done, photos_in, relight_each, summary
 from app.engine.film import write_film
 from app.engine.jobs import Cancelled, JobControl, Jobs, JobStatus
 from app.engine.turntable import turning, write_pictures
@@ -235,7 +235,7 @@ def test_a_batch_goes_on_past_bad_photos_and_resumes(tmp_path):
     outcomes = list(relight_each(tasks, one))
     assert [outcome.state for outcome in outcomes] == ["written", "failed", "written"]
     assert summary(outcomes) == "2 photos relit; 1 could not be relit: bad.jpg"
-    again = list(relight_each(tasks, one, resume=True))
+    again = list(relight_each(tasks, one, kept_if=is_done))
     assert [outcome.state for outcome in again] == ["kept", "failed", "kept"]
     assert worked == ["a", "bad", "c", "bad"]
 
@@ -243,7 +243,7 @@ def test_a_batch_goes_on_past_bad_photos_and_resumes(tmp_path):
 def test_an_empty_output_is_not_done(tmp_path):
     (tmp_path / "a.jpg").write_bytes(b"pixels")
     (tmp_path / "a.png").touch()
-    (outcome,) = relight_each([(tmp_path / "a.jpg", tmp_path / "a.png")], lambda *_: None, resume=True)
+    (outcome,) = relight_each([(tmp_path / "a.jpg", tmp_path / "a.png")], lambda *_: None, kept_if=is_done)
     assert outcome.state == "written"
 
 

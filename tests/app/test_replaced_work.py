@@ -110,13 +110,18 @@ def test_restored_work_that_is_not_put_over_newer_work_is_offered_again(editor, 
     again.deeds.close()
 
 
-def test_going_on_with_what_was_left_asks_where_there_is_newer_work(editor):
+def come_back_with_settings_of_another(editor):
+    """To the first photo, whose own work waits, from the second, where the shadow was set."""
     editor.state.step_photo(1)
     editor.live()
     editor.state.change(shadow=1.7)
     editor.live()
     editor.state.step_photo(-1)
     editor.live()
+
+
+def test_going_on_with_what_was_left_asks_where_there_is_newer_work(editor):
+    come_back_with_settings_of_another(editor)
     editor.state.change(shadow=1.8)
     editor.live()
     editor.answer_question("Continue")
@@ -128,12 +133,7 @@ def test_going_on_with_what_was_left_asks_where_there_is_newer_work(editor):
 @pytest.mark.parametrize("wish", ["save_session", "save_session_as"])
 def test_saving_the_settings_of_another_photo_asks_where_own_work_waits(editor, session, folder, wish):
     session.unlink()
-    editor.state.step_photo(1)
-    editor.live()
-    editor.state.change(shadow=1.7)
-    editor.live()
-    editor.state.step_photo(-1)
-    editor.live()
+    come_back_with_settings_of_another(editor)
     editor.state.asking.drop("session")
     editor.state.asking.wish(wish)
     editor.live()
