@@ -92,7 +92,7 @@ def add_sliders(parser: argparse.ArgumentParser, *, makes_pictures: bool = True)
     """--meter, the settings of an Edit, and the face.
 
     Args:
-        makes_pictures: False leaves out what only changes the finished picture: exposure and background.
+        makes_pictures: False leaves out what only changes the finished picture: strength, exposure and background.
     """
     parser.add_argument(
         "--meter",
@@ -108,10 +108,11 @@ def add_sliders(parser: argparse.ArgumentParser, *, makes_pictures: bool = True)
         help="turn the light; positive moves the panorama to the right, and a lamp in front of the person to the left",
     )
     if makes_pictures:
-        _add_exposure_and_background(parser)
+        _add_what_channels_are_without(parser)
     else:
         rest = Edit()
         parser.set_defaults(
+            strength=rest.strength,
             exposure=rest.exposure_ev,
             background=rest.background,
             background_fov=rest.background_fov_deg,
@@ -129,7 +130,15 @@ def add_sliders(parser: argparse.ArgumentParser, *, makes_pictures: bool = True)
     add_face(parser)
 
 
-def _add_exposure_and_background(parser: argparse.ArgumentParser) -> None:
+def _add_what_channels_are_without(parser: argparse.ArgumentParser) -> None:
+    """Strength, exposure and background."""
+    parser.add_argument(
+        "--strength",
+        metavar="S",
+        type=_share,
+        default=1.0,
+        help="how far the new light takes the photo's place on the person: 0 leaves the photo's own, 0.5 mixes both",
+    )
     parser.add_argument("--exposure", metavar="EV", type=_exposure, default=0.0, help="brighten by stops, -16 to 16")
     parser.add_argument(
         "--background",
@@ -219,6 +228,7 @@ def edit_from(arguments: argparse.Namespace) -> Edit:
         shadow=arguments.shadow,
         specular_tint=arguments.specular_tint,
         shadow_softness=arguments.shadow_softness,
+        strength=arguments.strength,
         background=arguments.background,
         background_fov_deg=arguments.background_fov,
         background_blur_deg=arguments.background_blur,

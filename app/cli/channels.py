@@ -4,8 +4,8 @@ Each channel is written as NAME.png, the way the window shows it. channels.exr h
 channels as named layers in linear values, the composition as its RGB. source_light.exr and
 target_light.exr hold the lights. Of several faces they are the largest one's, and layers.exr has those of all of them
 in the photo's frame, the relit picture as its RGB; with --face they are that one's alone.
-Files of the same names in the folder are replaced, all together at the end. Exposure and background change the
-finished picture only, so no channel depends on them.
+Files of the same names in the folder are replaced, all together at the end. Strength, exposure and background
+change the finished picture only, so no channel depends on them.
 """
 
 from __future__ import annotations

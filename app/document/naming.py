@@ -169,6 +169,7 @@ _SETTINGS: dict[str, Callable] = {
     "edit.shadow": _number("Shadow", ".2f"),
     "edit.specular_tint": _number("Specular tint", "+.2f"),
     "edit.shadow_softness": _number("Shadow softness", ".2f"),
+    "edit.strength": _number("Strength", ".2f"),
     "edit.background": lambda value: f"Background: {_BACKGROUNDS.get(value, value)}",
     "edit.forced_on": lambda value: f"Always computed: {_effects(value)}",
     "edit.forced_off": lambda value: f"Left out: {_effects(value)}",

@@ -30,14 +30,15 @@ from relight_core.pipeline.auto_quality import AUTO
 from relight_core.pipeline.edit import EDIT_RANGES, EFFECTS, Edit, check_background
 from relight_core.pipeline.quality import TIERS
 
-KIND, VERSION = "session", 4
-"""Version 1 knew no boxes of faces, version 2 no strokes of the brush, version 3 no lamps of the light's own."""
+KIND, VERSION = "session", 5
+"""Version 1 knew no boxes of faces, version 2 no strokes of the brush, version 3 no lamps of the light's own, version 4
+no strength."""
 
 SESSION_SUFFIX = ".relight.json"
 _EDIT_RANGES = {
     "yaw_deg": (-180.0, 180.0),
     "exposure_ev": (-16.0, 16.0),
-    **{name: EDIT_RANGES[name] for name in ("specular", "shadow", "specular_tint", "shadow_softness")},
+    **{name: EDIT_RANGES[name] for name in ("specular", "shadow", "specular_tint", "shadow_softness", "strength")},
     "background_fov_deg": (5.0, EDIT_RANGES["background_fov_deg"][1]),
     "background_blur_deg": EDIT_RANGES["background_blur_deg"],
 }

@@ -167,6 +167,7 @@ def export_note(light: str, edit: Edit) -> dict[str, str | float]:
         "relightShadow": float(edit.shadow),
         "relightSpecularTint": float(edit.specular_tint),
         "relightShadowSoftness": float(edit.shadow_softness),
+        "relightStrength": float(edit.strength),
         "relightBackground": edit.background,
     }
 

@@ -61,6 +61,8 @@ class Edit:
         tolerance: the largest change of the displayed picture that the plan may cause, [0, 1].
         specular_tint: colour of the specular channel, [-1, 1], from cool to warm; 0 is the light's own.
         shadow_softness: how far the edges of shadows are softened, [0, 1]; 0 is as estimated.
+        strength: how far the new light takes the photo's place on the person, [0, 1]: the share of its picture in the
+            sum of both, in linear radiance. No channel depends on it.
         surface_of: a quality whose surface serves in place of `quality`'s own where it is known already, as it is
             to an editor that has shown the finished picture; None for nobody's.
     """
@@ -79,6 +81,7 @@ class Edit:
     tolerance: float = TOLERANCE
     specular_tint: float = 0.0
     shadow_softness: float = 0.0
+    strength: float = 1.0
     surface_of: str | Tier | None = None
 
     @property
@@ -105,6 +108,7 @@ EDIT_RANGES = {
     "shadow": (0.0, 2.0),
     "specular_tint": (-1.0, 1.0),
     "shadow_softness": (0.0, 1.0),
+    "strength": (0.0, 1.0),
     "background_fov_deg": (0.0, 170.0),
     "background_blur_deg": (0.0, 20.0),
     "tolerance": (0.0, 1.0),

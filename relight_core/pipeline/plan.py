@@ -1,7 +1,8 @@
 """The plan: what this light, this portrait and this edit call for, decided before anything runs.
 
 A rule leaves something out only where it can say by how much the displayed picture could change. Most say
-"not at all": black light needs no shadow, sliders at rest move nothing, what nobody looks at is not made.
+"not at all": light that is black, or at a strength of 0, needs no shadow, sliders at rest move nothing, what
+nobody looks at is not made.
 
 One rule allows a change: a light that is nearly one that was computed before gives that one's picture.
 All that a surface sends to the camera is a sum over the light's texels with weights that no light changes
@@ -27,7 +28,7 @@ import numpy as np
 
 from relight_core.lighting.lamps import Lamp
 from relight_core.pipeline.cache import State
-from relight_core.pipeline.edit import EFFECTS, Edit, check_effects
+from relight_core.pipeline.edit import EFFECTS, LIGHT_CHANNELS, Edit, check_effects
 from relight_core.pipeline.quality import Tier
 
 STEEPEST_DISPLAY_SLOPE = 0.44
@@ -202,6 +203,15 @@ def _forced(edit: Edit, name: str) -> _Verdict | None:
     return _Verdict(True, "turned on by you") if wish else _Verdict(False, "turned off by you", None)
 
 
+def _without_light(scene: Scene, edit: Edit) -> _Verdict | None:
+    """Why nothing of the light is seen, in the picture or in a channel; None where something is."""
+    if scene.level == 0:
+        return _Verdict(False, "the light is black")
+    if edit.strength == 0 and not any(map(edit.looks_at, LIGHT_CHANNELS)):
+        return _Verdict(False, "at a strength of 0 all light is the photo's own")
+    return None
+
+
 def _foreign_shadow(scene: Scene, edit: Edit) -> _Verdict:
     if scene.in_foreign_shadow == 0:
         return _Verdict(False, "no shadow from outside falls on a face")
@@ -209,8 +219,9 @@ def _foreign_shadow(scene: Scene, edit: Edit) -> _Verdict:
 
 
 def _flattening(scene: Scene, edit: Edit) -> _Verdict:
-    if scene.level == 0 and not (edit.looks_at("albedo") or edit.looks_at("source_light")):
-        return _Verdict(False, "the light is black")
+    dark = _without_light(scene, edit)
+    if dark and not (edit.looks_at("albedo") or edit.looks_at("source_light")):
+        return dark
     return _Verdict(True, "skin that follows the photo's own light is cleared of it, once for a photo")
 
 
@@ -227,8 +238,8 @@ def _source_light(verdicts: Mapping[str, _Verdict], edit: Edit) -> _Verdict:
 
 
 def _occlusion(scene: Scene, edit: Edit) -> _Verdict:
-    if scene.level == 0:
-        return _Verdict(False, "the light is black")
+    if dark := _without_light(scene, edit):
+        return dark
     if _asks_the_network(scene, edit):
         return _Verdict(True, "what the surface hides from the light, seen by the network")
     return _Verdict(True, "what the relief hides from the light: no network at this quality", None)
@@ -239,16 +250,17 @@ def _asks_the_network(scene: Scene, edit: Edit) -> bool:
 
 
 def _correction(scene: Scene, edit: Edit) -> _Verdict:
-    if scene.level == 0:
-        return _Verdict(False, "the light is black")
+    if dark := _without_light(scene, edit):
+        return dark
     if not scene.tier.correction:
         return _Verdict(False, "not at this quality", None)
     return _Verdict(True, "the network corrects the sum of the channels")
 
 
 def _residual(scene: Scene, edit: Edit) -> _Verdict:
-    if scene.level == 0 and not edit.looks_at("source_light"):
-        return _Verdict(False, "the light is black")
+    dark = _without_light(scene, edit)
+    if dark and not edit.looks_at("source_light"):
+        return dark
     return _Verdict(True, "what the model misses of the photo, measured once for a photo")
 
 
@@ -263,8 +275,8 @@ def _detail(scene: Scene, edit: Edit) -> _Verdict:
 
 
 def _catchlights(scene: Scene, edit: Edit) -> _Verdict:
-    if scene.level == 0:
-        return _Verdict(False, "the light is black")
+    if dark := _without_light(scene, edit):
+        return dark
     if scene.irises == 0:
         return _Verdict(False, "no iris is seen in enough pixels to mirror anything")
     return _Verdict(True, "the eyes mirror this light, and no longer the photo's")
@@ -329,6 +341,7 @@ def _keys(scene: Scene, edit: Edit, needed: set[str], network: bool) -> dict[str
     change = (image, gains, "detail" in needed, scene.level)
     mirrored = (scene.mirrored, scene.irises) if "catchlights" in needed else None
     catchlights = (edges, mirrored)
+    strength = (change, catchlights, edit.strength)
     backdrop = scene.backdrop if edit.background == "light" else None
     behind = (edit.background, backdrop) if "background" in needed else None
     return {
@@ -346,8 +359,9 @@ def _keys(scene: Scene, edit: Edit, needed: set[str], network: bool) -> dict[str
         "sliders": change,
         "detail": change,
         "catchlights": catchlights,
+        "strength": strength,
         "panorama": backdrop,
-        "background": (change, catchlights, behind),
+        "background": (strength, behind),
         "channels": (change, edit.channels),
     }
 

@@ -105,7 +105,7 @@ def test_layers_have_the_picture_s_size_and_depth(lit, tmp_path, deep, kind):
 
 
 def test_a_file_says_all_that_was_set():
-    edit = Edit(-35.0, 0.5, 1.5, 0.25, "light", specular_tint=-0.5, shadow_softness=0.75)
+    edit = Edit(-35.0, 0.5, 1.5, 0.25, "light", specular_tint=-0.5, shadow_softness=0.75, strength=0.5)
     said = export_note("Ring", edit)
     assert said.pop("software").startswith("relight ")
     assert said == {
@@ -116,6 +116,7 @@ def test_a_file_says_all_that_was_set():
         "relightShadow": 0.25,
         "relightSpecularTint": -0.5,
         "relightShadowSoftness": 0.75,
+        "relightStrength": 0.5,
         "relightBackground": "light",
     }
 

@@ -98,6 +98,13 @@ def test_an_effect_slider_relights_quickly_while_dragged_and_finally_at_rest(ope
     assert getattr(edits[-1], field) == value
 
 
+def test_the_strength_slider_relights_down_to_none(opened, relighter):
+    x, y = opened.knobs()[4]
+    opened.drag((x, y), (x - 400, y))
+    assert opened.window.state.edit.strength == 0.0
+    assert relighter.relights[-1].strength == 0.0
+
+
 def test_the_engine_gets_ready_for_the_hand_as_soon_as_its_quality_is_another(hand, relighter, photo_path):
     state = hand.window.state
     state.quality = QualityChoice("final")
@@ -321,7 +328,7 @@ def test_a_group_folds_away_and_opens_again(opened):
     sliders = len(opened.knobs())
     opened.click(title)
     assert not opened.window.state.groups.effects
-    assert len(opened.knobs()) == sliders - 5
+    assert len(opened.knobs()) == sliders - 6
     opened.click(title)
     assert opened.window.state.groups.effects
     assert len(opened.knobs()) == sliders

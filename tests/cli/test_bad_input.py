@@ -125,6 +125,7 @@ def test_numbers_that_are_none(relight, photo, tmp_path, option, value):
         ("--shadow", "-0.1"),
         ("--specular-tint", "1.1"),
         ("--shadow-softness", "-0.1"),
+        ("--strength", "1.1"),
         ("--exposure", "17"),
         ("--background", "#12345"),
         ("--background", "beige"),

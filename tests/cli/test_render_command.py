@@ -77,11 +77,11 @@ def test_json_shares_stdout_with_nobody(relight, relighter, photo, tmp_path, mon
 
 def test_sliders_reach_the_edit(relight, relighter, photo, tmp_path):
     words = "--yaw -90.5 --exposure 1.5 --specular 0 --shadow 2 --background #FF8000 --quality draft"
-    words += " --specular-tint -5e-1 --shadow-softness 0.3"
+    words += " --specular-tint -5e-1 --shadow-softness 0.3 --strength 0.6"
     assert relight("render", photo, "--light", "ring", *words.split(), "-o", tmp_path / "o.png").code == 0
     (edit,) = relighter.edits
     assert (edit.yaw_deg, edit.exposure_ev, edit.specular, edit.shadow) == (-90.5, 1.5, 0.0, 2.0)
-    assert (edit.specular_tint, edit.shadow_softness) == (-0.5, 0.3)
+    assert (edit.specular_tint, edit.shadow_softness, edit.strength) == (-0.5, 0.3, 0.6)
     assert (edit.background, edit.quality) == ("#ff8000", "draft")
 
 

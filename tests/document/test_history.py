@@ -201,6 +201,7 @@ NAMES = [
     (START, edited(background="#30343a"), "Background: #30343a"),
     (START, edited(yaw_deg=-0.3), "Turn light to 0°"),
     (START, edited(specular_tint=0.3), "Specular tint +0.30"),
+    (START, edited(strength=0.5), "Strength 0.50"),
     (START, edited(exposure_ev=0.5), "Exposure +0.50 EV"),
     (START, edited(forced_on=frozenset({"shadow", "detail"})), "Always computed: detail, shadow"),
     (edited(forced_on=frozenset({"shadow"})), START, "Always computed: nothing"),

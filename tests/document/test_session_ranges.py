@@ -11,9 +11,9 @@ from relight_core.face.find import FaceBox
 from relight_core.pipeline.edit import Edit
 
 STRONGEST = {"yaw_deg": 180.0, "exposure_ev": 16.0, "specular": 2.0, "shadow": 2.0, "specular_tint": 1.0}
-STRONGEST |= {"shadow_softness": 1.0, "background_fov_deg": 170.0, "background_blur_deg": 20.0}
+STRONGEST |= {"shadow_softness": 1.0, "strength": 1.0, "background_fov_deg": 170.0, "background_blur_deg": 20.0}
 FAINTEST = {"yaw_deg": -180.0, "exposure_ev": -16.0, "specular": 0.0, "shadow": 0.0, "specular_tint": -1.0}
-FAINTEST |= {"shadow_softness": 0.0, "background_fov_deg": 5.0, "background_blur_deg": 0.0}
+FAINTEST |= {"shadow_softness": 0.0, "strength": 0.0, "background_fov_deg": 5.0, "background_blur_deg": 0.0}
 
 
 @pytest.fixture

@@ -183,7 +183,8 @@ def test_what_is_kept_is_reused_within_the_bound_of_its_light():
     [
         ({"exposure_ev": 2.0}, {"compose", "sliders", "background", "channels"}, set()),
         ({"shadow": 0.5}, {"compose", "specular_shadow", "panorama"}, {"sliders", "detail", "background"}),
-        ({"background": "transparent"}, {"compose", "detail"}, {"background"}),
+        ({"strength": 0.5}, {"compose", "sliders", "detail", "catchlights", "channels"}, {"strength", "background"}),
+        ({"background": "transparent"}, {"compose", "detail", "strength"}, {"background"}),
     ],
 )
 def test_a_key_names_what_its_stage_reads_and_nothing_else(change, untouched, touched):
@@ -193,7 +194,7 @@ def test_a_key_names_what_its_stage_reads_and_nothing_else(change, untouched, to
     assert all(before[name] != after[name] for name in touched)
 
 
-PICTURE = {"detail_fit", "sliders", "detail", "background", "channels"}
+PICTURE = {"detail_fit", "sliders", "detail", "strength", "background", "channels"}
 HIDDEN = {"specular_shadow", "hard_shadow", "compose", "residual", "catchlights"}
 
 
@@ -222,7 +223,7 @@ def test_a_network_that_is_turned_on_makes_anew_all_that_reads_it():
 
 def test_eyes_that_mirror_another_light_make_another_picture():
     one, other = (make_plan(replace(SCENE, irises=2, mirrored=light), Edit()).keys for light in ("sun", "sky"))
-    assert {name for name in one if one[name] != other[name]} == {"catchlights", "background"}
+    assert {name for name in one if one[name] != other[name]} == {"catchlights", "strength", "background"}
 
 
 def test_another_channel_that_is_looked_at_is_made_and_nothing_else():

@@ -94,9 +94,9 @@ def test_it_counts_lamps_and_readers_as_people_do():
 @pytest.mark.parametrize(
     ("change", "touched"),
     [
-        ({"level": 2.0}, {"sliders", "detail", "background", "channels"}),
-        ({"irises": 1}, {"catchlights", "background"}),
-        ({"lamps": ()}, {"hard_shadow", "compose", "detail_fit", "sliders", "detail", "catchlights"}),
+        ({"level": 2.0}, {"sliders", "detail", "strength", "background", "channels"}),
+        ({"irises": 1}, {"catchlights", "strength", "background"}),
+        ({"lamps": ()}, {"hard_shadow", "compose", "detail_fit", "sliders", "detail", "catchlights", "strength"}),
     ],
 )
 def test_another_scene_makes_anew_what_reads_it(change, touched):

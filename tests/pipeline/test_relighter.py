@@ -122,6 +122,7 @@ def test_a_smaller_picture_is_reused_too(relighter):
         ("shadow", (-0.1, 5.0)),
         ("shadow_softness", (-1.0, 1.1)),
         ("specular_tint", (-2.0, 2.0)),
+        ("strength", (-0.1, 1.1)),
         ("tolerance", (-0.1, 2.0)),
         ("yaw_deg", (np.nan, np.inf, "30", None)),
         ("background", (None, "beach", (0, 0, 0))),

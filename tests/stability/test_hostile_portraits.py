@@ -163,7 +163,13 @@ def test_sliders_at_their_ends_and_angles_far_beyond_a_turn(attacked, portrait, 
 @pytest.mark.parametrize(
     "wrong",
     [{"yaw_deg": np.nan}, {"yaw_deg": np.inf}, {"shadow": np.nan}, {"specular": -np.inf}, {"shadow_softness": np.nan}]
-    + [{"exposure_ev": np.nan}, {"tolerance": np.nan}, {"specular_tint": np.nan}, {"specular_tint": 4.0}]
+    + [
+        {"exposure_ev": np.nan},
+        {"tolerance": np.nan},
+        {"strength": np.nan},
+        {"specular_tint": np.nan},
+        {"specular_tint": 4.0},
+    ]
     + [{name: value} for name in ("specular", "shadow") for value in (-5.0, 2.5, 1e30)],
     ids=str,
 )

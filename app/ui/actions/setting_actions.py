@@ -18,6 +18,7 @@ _EFFECTS = (
     effects_panel.SOFTNESS,
     effects_panel.SPECULAR,
     effects_panel.TINT,
+    effects_panel.STRENGTH,
     effects_panel.EXPOSURE,
 )
 _AS_HEX = ", typed like #30343a"

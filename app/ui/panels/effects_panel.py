@@ -24,6 +24,9 @@ SOFTNESS = widgets.Slider(
 TINT = widgets.Slider(
     "Specular tint", -1.0, 1.0, 0.0, "%+.2f", "Colour of the shine: left is cool, right is warm; 0 is the light's own."
 )
+STRENGTH = widgets.Slider(
+    "Strength", 0.0, 1.0, 1.0, "%.2f", "Mixes the new light with the photo's own; 0 leaves the person as photographed."
+)
 EXPOSURE = widgets.Slider("Exposure", -5.0, 5.0, 0.0, "%+.2f EV", "Brightens or darkens the whole picture, in stops.")
 BACKGROUNDS = (
     ("keep", "Photo", "Keep the photo's own background."),
@@ -84,6 +87,7 @@ def _effects(state: EditorState, fonts: theme.Fonts) -> None:
         shadow_softness=widgets.slider(state, SOFTNESS, edit.shadow_softness),
         specular=widgets.slider(state, SPECULAR, edit.specular),
         specular_tint=widgets.slider(state, TINT, edit.specular_tint),
+        strength=widgets.slider(state, STRENGTH, edit.strength),
         exposure_ev=widgets.slider(state, EXPOSURE, edit.exposure_ev),
     )
 
