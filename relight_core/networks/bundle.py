@@ -9,8 +9,10 @@ from __future__ import annotations
 import copy
 import dataclasses
 import json
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import torch
 from safetensors import SafetensorError, safe_open
@@ -30,6 +32,9 @@ from relight_core.networks.tensor_file import checksum, tensor_file
 FORMAT = "relight-networks-1"
 
 _CHECKSUM = "sha256"
+_COUNTS = ("levels", "residual", "decoder_residual")
+"""Fields of the networks' configurations that count parts, of which each has a tensor at least."""
+
 _MEND = "give others, or install relight again if they are its own"
 _DAMAGE = (OSError, SafetensorError, RuntimeError, TypeError, ValueError, IndexError, MemoryError, OverflowError)
 
@@ -254,7 +259,9 @@ def load_bundle(path: Path) -> NetworkBundle:
             header = dict(file.metadata() or {})
             if header.pop("format", None) != FORMAT:
                 raise InputError(f"{path}: not a file of relight weights; use one written by 'relight train'")
-            bundle = NetworkBundle(BundleConfig.from_json(header.pop("config")))
+            config = BundleConfig.from_json(header.pop("config"))
+            _check_held(config, [file.get_slice(name).get_shape() for name in file.keys()])  # noqa: SIM118
+            bundle = NetworkBundle(config)
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
             if header.pop(_CHECKSUM, None) not in (None, checksum(tensors)):
                 raise InputError(f"{path}: these weights are damaged (their checksum differs); {_MEND}")
@@ -269,3 +276,24 @@ def load_bundle(path: Path) -> NetworkBundle:
         raise InputError(f"{path}: these weights can't be read ({reason}); {_MEND}") from error
     bundle.card = header
     return bundle
+
+
+def _check_held(config: BundleConfig, shapes: Sequence[Sequence[int]]) -> None:
+    """Raise ValueError for networks that tensors of these shapes can't be, before anything of their size is made."""
+    numbers = list(_numbers(dataclasses.asdict(config)))
+    parts = sum(abs(number) for name, number in numbers if name in _COUNTS)
+    if parts > len(shapes):
+        raise ValueError(f"the header tells of {parts} levels and blocks, which {len(shapes)} tensors can't be")
+    most = max((number for name, number in numbers if name not in _COUNTS), default=0)
+    if most > (longest := max((side for shape in shapes for side in shape), default=0)):
+        raise ValueError(f"the header tells of {most} channels, and no tensor has more than {longest}")
+
+
+def _numbers(part: Mapping[str, Any]) -> Iterator[tuple[str, int]]:
+    """The whole numbers of a configuration, each by the name of its field."""
+    for name, value in part.items():
+        if isinstance(value, Mapping):
+            yield from _numbers(value)
+        else:
+            several = value if isinstance(value, tuple) else (value,)
+            yield from ((name, one) for one in several if isinstance(one, int))

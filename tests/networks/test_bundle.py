@@ -8,6 +8,7 @@ from safetensors import safe_open
 from safetensors.torch import load_file, save_file
 
 from relight_core.errors import InputError
+from relight_core.networks import bundle as bundle_module
 from relight_core.networks.blocks import fold_normalisation
 from relight_core.networks.bundle import (
     BundleConfig,
@@ -141,6 +142,28 @@ def test_a_header_of_networks_without_levels_is_refused(bundle, tmp_path, networ
     config[network]["levels"] = 0
     rewritten(path, {"format": "relight-networks-1", "config": json.dumps(config)})
     with pytest.raises(InputError, match="these weights can't be read"):
+        load_bundle(path)
+
+
+@pytest.mark.parametrize(
+    ("field", "number", "why"),
+    [
+        ("residual", [0, 3, 3_000_000], "3000011 levels and blocks, which .* tensors can't be"),
+        ("decoder_residual", [3_000_000, 0], "levels and blocks"),
+        ("levels", 30_000_000, "levels and blocks"),
+        ("decoder_least", 25_000, "25000 channels, and no tensor has more than 1536"),
+        ("detail_width", 25_000, "25000 channels"),
+    ],
+)
+def test_networks_much_larger_than_their_file_are_refused_before_they_are_made(
+    bundle, tmp_path, monkeypatch, field, number, why
+):
+    path, config = tmp_path / "w.safetensors", json.loads(bundle.config.to_json())
+    save_bundle(path, bundle)
+    config["delight"][field] = number
+    rewritten(path, {"format": "relight-networks-1", "config": json.dumps(config)})
+    monkeypatch.setattr(bundle_module, "NetworkBundle", lambda config: pytest.fail("made"))
+    with pytest.raises(InputError, match=f"these weights can't be read .*{why}"):
         load_bundle(path)
 
 
