@@ -193,7 +193,8 @@ def _example_batches(run: Run, stage: Stage, bundle: NetworkBundle, device: str)
         return map(teacher.examples, training_batches(replace(run, kept=None), stage, first))
 
     yield lambda first: kept_batches(folder, make, first, among=run.examples)
-    if run.kept is None:
+    # A run that goes on with nothing left of its budget asks for none.
+    if run.kept is None and place.exists():
         shutil.rmtree(place)
 
 

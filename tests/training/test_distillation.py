@@ -3,6 +3,7 @@
 import contextlib
 import functools
 import itertools
+import shutil
 from dataclasses import replace
 
 import pytest
@@ -90,8 +91,9 @@ class Killed(Exception):
     pass
 
 
-def test_a_run_that_was_killed_goes_on_as_if_it_had_not_been(start, made, tmp_path, monkeypatch):
-    whole = train(run_of(start, tmp_path / "whole", steps=5), quiet).state_dict()
+@pytest.fixture
+def killed_after_three(monkeypatch):
+    """Runs that end after their third batch, with a state kept after every step."""
     learnt = run_module.train_stage
 
     def stops(stage, bundle, batches_from, budget, checkpoint, report, device, drawn_by):
@@ -99,17 +101,34 @@ def test_a_run_that_was_killed_goes_on_as_if_it_had_not_been(start, made, tmp_pa
             yield from itertools.islice(batches_from(first), 3)
             raise Killed
 
-        budget = run_module.Budget(budget.learning_rate, steps=5, warm_up_steps=1, checkpoint_seconds=0.0)
+        budget = replace(budget, warm_up_steps=1, checkpoint_seconds=0.0)
         return learnt(stage, bundle, some, budget, checkpoint, report, device, drawn_by)
 
-    monkeypatch.setattr(run_module, "train_stage", stops)
-    with pytest.raises(Killed):
-        train(run_of(start, tmp_path / "halves", steps=5), quiet)
-    monkeypatch.setattr(run_module, "train_stage", learnt)
+    def train_some(run):
+        with monkeypatch.context() as patched:
+            patched.setattr(run_module, "train_stage", stops)
+            with pytest.raises(Killed):
+                train(run, quiet)
+
+    return train_some
+
+
+def test_a_run_that_was_killed_goes_on_as_if_it_had_not_been(start, made, killed_after_three, tmp_path, monkeypatch):
+    whole = train(run_of(start, tmp_path / "whole", steps=5), quiet).state_dict()
+    killed_after_three(run_of(start, tmp_path / "halves", steps=5))
     monkeypatch.setattr(Teacher, "examples", lambda *_: pytest.fail("the examples are there"))
     halves = train(run_of(start, tmp_path / "halves", steps=5), quiet).state_dict()
     for name, value in whole.items():
         torch.testing.assert_close(halves[name], value, rtol=0, atol=0)
+
+
+def test_a_run_whose_budget_is_spent_needs_no_examples_to_end(start, made, killed_after_three, tmp_path):
+    killed_after_three(run_of(start, tmp_path, steps=5))
+    (examples,) = tmp_path.glob("*.examples")
+    shutil.rmtree(examples)
+    train(run_of(start, tmp_path, steps=1), quiet)
+    assert not list(tmp_path.glob("*.state*"))
+    assert made == [0, 1]
 
 
 @pytest.mark.parametrize("other", [{"workers": 2}, {"uses": 2}, {"heads": "others"}])
