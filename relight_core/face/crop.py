@@ -83,8 +83,7 @@ class Crop:
 
     def from_photo_matrix(self, size: int) -> np.ndarray:
         """(2, 3) affine map from photo positions to positions in the size x size crop."""
-        angle = np.radians(self.roll_deg)
-        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]) * (size / self.side)
+        turn = axes_in_photo(self.roll_deg) * (size / self.side)
         return np.column_stack([turn, size / 2 - turn @ [self.centre_x, self.centre_y]])
 
     def _extract_turned(self, image: np.ndarray, size: int) -> np.ndarray:
@@ -103,6 +102,12 @@ class Crop:
             borderMode=cv2.BORDER_REPLICATE,
         )
         return resize_area(turned, (size, size))
+
+
+def axes_in_photo(roll_deg: float) -> np.ndarray:
+    """(2, 2): what lies to the right and what lies below in a view that is turned by `Crop.roll_deg`, in the photo."""
+    angle = np.radians(roll_deg)
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
 
 def _mapped(points: np.ndarray, matrix: np.ndarray) -> np.ndarray:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from relight_core.face.crop import PADDED_PX, PADDING_PX, Crop
+from relight_core.face.crop import PADDED_PX, PADDING_PX, Crop, axes_in_photo
 from relight_core.face.paste import places_of
 
 FACE_SHARE = 1 - 2 * PADDING_PX / PADDED_PX
@@ -29,8 +29,7 @@ def person_view(crop: Crop, photo_size: tuple[float, float], faces_across: float
     """
     height, width = photo_size
     face = crop.side * FACE_SHARE
-    turn = np.radians(crop.roll_deg)
-    right, down = np.array([np.cos(turn), -np.sin(turn)]), np.array([np.sin(turn), np.cos(turn)])
+    right, down = axes_in_photo(crop.roll_deg)
     across, along = (float(np.abs(axis) @ [width, height]) for axis in (right, down))
     side = max(min(faces_across * face, max(across, along)), face)
     middle = np.array([width, height]) / 2

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import torch
 
+from relight_core.face.crop import axes_in_photo
 from relight_core.face.parsing import BROWS, EYES, INDEX, MOUTH, SKIN, SURELY, skin_share
 from relight_core.imaging.colour import without_colour
 from relight_core.imaging.guided_detail import carry_detail
@@ -215,6 +216,6 @@ def light_channels(
 
 def unrolled(normals: np.ndarray, roll_deg: float) -> np.ndarray:
     """Normals (..., 3) of a view that is turned counterclockwise in the photo, in camera space."""
-    angle = np.radians(roll_deg)
-    turn = np.array([[np.cos(angle), np.sin(angle), 0], [-np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+    turn = np.eye(3)
+    turn[:2, :2] = axes_in_photo(roll_deg).T  # Normals point up where they are positive, photos go down.
     return normals if roll_deg == 0 else (normals @ turn).astype(normals.dtype)
