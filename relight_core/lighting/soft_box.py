@@ -16,7 +16,7 @@ from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.lighting.colour_temperature import COOLEST_KELVIN, HOTTEST_KELVIN, WHITE_KELVIN, kelvin_to_rgb
 from relight_core.lighting.rig_description import FORMS, WIDEST_HOLE, AreaLight
 from relight_core.lighting.rig_render import area_light_radiance, direction_of
-from relight_core.lighting.sphere import directions, place_on_map, solid_angles
+from relight_core.lighting.sphere import directions, solid_angles
 
 SMALLEST_DEG, LARGEST_DEG = 3.0, 150.0
 
@@ -169,19 +169,6 @@ def outline(box: SoftBox, per_side: int = 12) -> np.ndarray:
     across = np.concatenate([run, one, -run, -one])
     along = np.concatenate([one, -run, -one, run])
     return _toward(box, across, along)
-
-
-def uv_of(direction: np.ndarray) -> tuple[float, float]:
-    """Where a direction (3,) lies on a panorama: u in [0, 1), v in [0, 1]."""
-    u, v = place_on_map(*direction)
-    return float(u) % 1.0 % 1.0, float(v)
-
-
-def direction_at(u: float, v: float) -> np.ndarray:
-    """(3,) unit vector toward a point of a panorama; u repeats, v in [0, 1]."""
-    theta, phi = math.pi * v, 2 * math.pi * (u - 0.5)
-    level = math.sin(theta)
-    return np.array([level * math.sin(phi), math.cos(theta), -level * math.cos(phi)])
 
 
 def lamp_direction(normal: np.ndarray, aim: str) -> np.ndarray:

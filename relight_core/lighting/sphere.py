@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 
@@ -29,6 +31,19 @@ def place_on_map(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> tuple[np.ndarra
         shares of the map's width from the left and of its height from the top, both in [0, 1].
     """
     return np.arctan2(x, -z) / (2 * np.pi) + 0.5, np.arctan2(np.hypot(x, z), y) / np.pi
+
+
+def uv_of(direction: np.ndarray) -> tuple[float, float]:
+    """Where a direction (3,) lies on a panorama: u in [0, 1), v in [0, 1]."""
+    u, v = place_on_map(*direction)
+    return float(u) % 1.0 % 1.0, float(v)
+
+
+def direction_at(u: float, v: float) -> np.ndarray:
+    """(3,) unit vector toward a point of a panorama; u repeats, v in [0, 1]."""
+    theta, phi = math.pi * v, 2 * math.pi * (u - 0.5)
+    level = math.sin(theta)
+    return np.array([level * math.sin(phi), math.cos(theta), -level * math.cos(phi)])
 
 
 def turned(direction: np.ndarray, yaw_deg: float) -> np.ndarray:

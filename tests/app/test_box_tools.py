@@ -8,8 +8,8 @@ from app.ui.viewport.placing import _no_face_at
 from relight_core.face.crop import Crop
 from relight_core.face.find import FaceBox
 from relight_core.lighting.light_edit import LightEdit
-from relight_core.lighting.soft_box import SoftBox, corners, uv_of
-from relight_core.lighting.sphere import turned
+from relight_core.lighting.soft_box import SoftBox, corners
+from relight_core.lighting.sphere import turned, uv_of
 
 FRONT = SoftBox(0.0, 0.0, 40.0, 40.0)
 LEFT = SoftBox(-90.0, 0.0, 30.0, 30.0)

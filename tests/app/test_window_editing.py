@@ -6,7 +6,8 @@ from PIL import Image
 
 from app.document.session_file import read_session
 from relight_core.imaging.write import write_image
-from relight_core.lighting.soft_box import SoftBox, uv_of
+from relight_core.lighting.soft_box import SoftBox
+from relight_core.lighting.sphere import uv_of
 from relight_core.lighting.summary import average_direction
 
 

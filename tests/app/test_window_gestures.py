@@ -7,7 +7,7 @@ from window_hand import WIDTH, places_drawn
 
 from app.engine.sources import LightSource
 from app.ui.asking import Question
-from relight_core.lighting.soft_box import uv_of
+from relight_core.lighting.sphere import uv_of
 
 
 def right_click(hand, at):

@@ -11,7 +11,7 @@ from window_hand import PANORAMA_WIDTH, PANORAMA_X, PANORAMA_Y
 
 from app.ui import light_edits, widgets
 from relight_core.lighting.rigs import load_rig
-from relight_core.lighting.soft_box import uv_of
+from relight_core.lighting.sphere import uv_of
 
 
 @pytest.fixture

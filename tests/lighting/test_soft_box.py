@@ -8,15 +8,13 @@ from relight_core.lighting.soft_box import (
     box_title,
     contains,
     corners,
-    direction_at,
     lamp_direction,
     moved_to,
     outline,
     resized_to,
     soft_box_radiance,
-    uv_of,
 )
-from relight_core.lighting.sphere import directions, solid_angles, turned
+from relight_core.lighting.sphere import direction_at, directions, solid_angles
 
 PLACES = [(0, 0), (179, 10), (-180, -30), (45, 89), (10, -90), (90, 45)]
 
@@ -107,21 +105,6 @@ def test_a_box_that_is_moved_straight_up_keeps_its_azimuth():
 def test_a_box_that_is_switched_off_radiates_nothing():
     assert soft_box_radiance(SoftBox(), 16).max() > 0
     assert soft_box_radiance(SoftBox(off=True), 16).max() == 0
-
-
-def test_panorama_positions_and_directions_are_each_others_inverse():
-    grid = directions(8, 16)
-    for row in range(8):
-        for column in range(16):
-            u, v = (column + 0.5) / 16, (row + 0.5) / 8
-            assert np.allclose(direction_at(u, v), grid[row, column], atol=1e-6)
-            assert uv_of(grid[row, column]) == pytest.approx((u, v), abs=1e-6)
-    assert 0.0 <= uv_of([-1e-17, 0.0, 1.0])[0] < 1.0
-
-
-def test_a_turn_moves_directions_as_it_moves_the_panorama():
-    u, v = 0.3, 0.4
-    assert np.allclose(turned(direction_at(u, v), 36.0), direction_at(u + 0.1, v))
 
 
 def test_a_lamp_for_the_bright_side_stands_on_the_normal_and_one_for_a_highlight_where_it_mirrors():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from relight_core.lighting.sphere import directions, off_axis, place_on_map, turned
+from relight_core.lighting.sphere import direction_at, directions, off_axis, place_on_map, turned, uv_of
 
 
 def test_where_directions_lie_is_where_they_came_from():
@@ -22,6 +22,21 @@ def test_a_turn_moves_to_the_right():
     moved, _ = place_on_map(*turned(np.array([0.0, 0.3, -1.0]), 36.0))
     assert moved == pytest.approx(0.6)
     np.testing.assert_allclose(turned(np.array([0.2, 0.5, 0.8]), 360.0), [0.2, 0.5, 0.8], atol=1e-12)
+
+
+def test_panorama_positions_and_directions_are_each_others_inverse():
+    grid = directions(8, 16)
+    for row in range(8):
+        for column in range(16):
+            u, v = (column + 0.5) / 16, (row + 0.5) / 8
+            assert np.allclose(direction_at(u, v), grid[row, column], atol=1e-6)
+            assert uv_of(grid[row, column]) == pytest.approx((u, v), abs=1e-6)
+    assert 0.0 <= uv_of([-1e-17, 0.0, 1.0])[0] < 1.0
+
+
+def test_a_turn_moves_directions_as_it_moves_the_panorama():
+    u, v = 0.3, 0.4
+    assert np.allclose(turned(direction_at(u, v), 36.0), direction_at(u + 0.1, v))
 
 
 def test_a_direction_by_its_angles_starts_at_the_camera_and_goes_by_the_right_to_the_top():

@@ -8,7 +8,7 @@ from tiny_relighter import EDIT, NETWORK_STAGES, computed, some_light, some_phot
 
 from relight_core.lighting.environment import Environment
 from relight_core.lighting.panorama import rotate
-from relight_core.lighting.soft_box import direction_at
+from relight_core.lighting.sphere import direction_at
 from relight_core.pipeline import face_relighter, stages
 from relight_core.pipeline.per_light.fine_edges import FineEdges
 from relight_core.pipeline.relighter import Relighter

@@ -13,8 +13,8 @@ from app.ui.state import EditorState
 from app.ui.viewport.box_tools import NEW_BOX, Grab, dragged, grab
 from app.ui.viewport.viewport_notes import note
 from relight_core.lighting.light_edit import MOST_BOXES
-from relight_core.lighting.soft_box import box_title, corners, direction_at, moved_to, outline, uv_of
-from relight_core.lighting.sphere import turned
+from relight_core.lighting.soft_box import box_title, corners, moved_to, outline
+from relight_core.lighting.sphere import direction_at, turned, uv_of
 
 FINE = 0.2
 

@@ -11,17 +11,8 @@ import numpy as np
 
 from relight_core.face.crop import Crop
 from relight_core.lighting.light_edit import MOST_BOXES, LightEdit
-from relight_core.lighting.soft_box import (
-    SoftBox,
-    contains,
-    corners,
-    direction_at,
-    lamp_direction,
-    moved_to,
-    resized_to,
-    uv_of,
-)
-from relight_core.lighting.sphere import turned
+from relight_core.lighting.soft_box import SoftBox, contains, corners, lamp_direction, moved_to, resized_to
+from relight_core.lighting.sphere import direction_at, turned, uv_of
 from relight_core.pipeline.results.channels import unrolled
 
 NEW_BOX = SoftBox(intensity=0.6)
