@@ -7,6 +7,8 @@ import re
 import sys
 from pathlib import Path
 
+from relight_core.imaging.files import is_same_file
+
 _EXPORTED = re.compile(r"(.+)-relit(?:-[0-9]+)?")
 
 
@@ -28,6 +30,12 @@ def folder_for_outputs(photo: Path) -> Path:
 def from_home(path: Path) -> Path:
     """The path with the user's own folder for a `~` that leads it; `~name` is a name like any other."""
     return Path(os.path.expanduser(path)) if path.parts[:1] == ("~",) else path
+
+
+def full_path(path: Path) -> Path:
+    """The path in full, as sessions name their photos: without any `..`, unless that leads out of a linked folder."""
+    full = Path(os.path.abspath(path))
+    return full if is_same_file(full, path) else path.absolute()
 
 
 def exported_stem(path: Path) -> str | None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from imgui_bundle import imgui
 
+from app.engine.places import full_path
 from app.ui import theme, widgets
 from app.ui.asking import FileRequest
 from app.ui.file_dialogs import candidates
@@ -178,7 +179,7 @@ def _buttons(state: EditorState, request: FileRequest, entered: bool) -> None:
         state.picking = None
     elif fits and (chosen or entered):
         state.picking = None
-        request.then([path])
+        request.then([full_path(path)])
     elif entered and is_folder:
         # It was typed without the slash that lists what is in it.
         _look_into(request, path, "")

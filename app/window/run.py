@@ -30,6 +30,7 @@ def run_editor(paths: Sequence[Path] = (), light: str | None = None) -> int:
     """
     from app.engine.calibration_file import cache_path
     from app.engine.pace import yield_to_the_window
+    from app.engine.places import full_path
     from app.settings import settings_path
     from app.window.dropped import open_named
     from app.window.window import EditorWindow
@@ -38,7 +39,7 @@ def run_editor(paths: Sequence[Path] = (), light: str | None = None) -> int:
     window = EditorWindow(make_relighter, on_engine_start=yield_to_the_window, **kept)
     try:
         # While its folder is still there.
-        open_named(window.state, [path.absolute() for path in paths], light)
+        open_named(window.state, [full_path(path) for path in paths], light)
         window.run()
     finally:
         window.close()

@@ -26,12 +26,12 @@ import cv2
 import numpy as np
 
 from relight_core.imaging.half_floats import within_halves
+from relight_core.imaging.light_change import LARGEST_GAIN
 from relight_core.imaging.resampling import resize_smooth
 
 _WINDOW_SHARE = 1 / 128
 _FLAT = 0.1
 _DARK = 0.001
-_LARGEST_GAIN = 16.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ def fit_detail(photo_small: np.ndarray, relit_small: np.ndarray) -> DetailFit:
     ratio = mean_relit / np.maximum(mean_photo, _DARK)
     flat = (_FLAT * np.maximum(mean_photo, _DARK)) ** 2
     gain = (covariance + flat * ratio) / (variance + flat)
-    gain = np.clip(gain, 0.0, np.minimum(_LARGEST_GAIN, 4.0 * ratio))
+    gain = np.clip(gain, 0.0, np.minimum(LARGEST_GAIN, 4.0 * ratio))
     # A window across an edge explains both of its sides, one beside it only its own: where they overlap
     # the former counts for more, or the gain of a dark side would spill over the bright one.
     trust = variance + flat

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 
 LARGEST_GAIN = 16.0
+"""By how many times a pixel of the photo is brightened at the most, in whichever way its light is changed."""
 
 
 @dataclass(frozen=True, eq=False)

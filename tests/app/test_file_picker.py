@@ -113,6 +113,13 @@ def test_the_arrow_keys_and_enter_go_through_folders_to_a_file(opened, folder):
     assert (chosen, opened.window.state.picking) == ([folder / "inside" / "a.png"], None)
 
 
+def test_a_file_typed_by_way_of_the_folder_above_is_given_in_full(opened, folder):
+    (folder / "a.png").touch()
+    chosen = ask(opened, folder / ".." / "shoot" / "a.png")
+    opened.key(glfw.KEY_ENTER)
+    assert chosen == [folder / "a.png"]
+
+
 def test_enter_goes_into_a_folder_that_was_typed_without_its_slash(opened, folder):
     (folder / "a.png").touch()
     chosen = ask(opened, folder)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from app.engine.places import current_folder, exported_stem, folder_for_outputs
+from app.engine.places import current_folder, exported_stem, folder_for_outputs, full_path
 
 
 @pytest.fixture
@@ -28,6 +28,25 @@ def test_the_user_s_own_folder_stands_in_for_a_current_one_that_is_gone(gone, tm
 def test_files_go_beside_their_photo_where_that_is_allowed(tmp_path):
     assert folder_for_outputs(tmp_path / "me.jpg") == tmp_path
     assert folder_for_outputs(tmp_path / "missing" / "me.jpg") == Path.cwd()
+
+
+def test_a_file_has_one_full_path_whatever_folders_it_is_named_by_way_of(tmp_path, monkeypatch):
+    (tmp_path / "shoot").mkdir()
+    monkeypatch.chdir(tmp_path / "shoot")
+    (tmp_path / "me.jpg").touch()
+    for path in ("../me.jpg", ".././shoot/../me.jpg", f"{tmp_path}/shoot/../me.jpg", f"{tmp_path}/me.jpg"):
+        assert full_path(Path(path)) == tmp_path / "me.jpg"
+    assert full_path(Path("../gone.jpg")) == tmp_path / "gone.jpg"
+
+
+def test_a_file_above_a_linked_folder_s_own_place_is_found_there(tmp_path):
+    (tmp_path / "disk" / "shoot").mkdir(parents=True)
+    (tmp_path / "link").symlink_to(tmp_path / "disk" / "shoot")
+    for folder in ("disk", "."):
+        (tmp_path / folder / "me.jpg").write_text(folder)
+    above = tmp_path / "link" / ".." / "me.jpg"
+    assert full_path(above).read_text() == "disk"
+    assert full_path(tmp_path / "link" / "x.jpg") == tmp_path / "link" / "x.jpg"
 
 
 @pytest.mark.parametrize(
