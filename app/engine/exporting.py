@@ -227,12 +227,18 @@ def _named_free(beside: Path, wish: Path) -> Path:
         return path
 
 
-def free_path(path: Path) -> Path:
-    """The path, or the first of path-2, path-3 ... that doesn't exist."""
+def free_path(path: Path, ending: str = "") -> Path:
+    """The path, or the first of path-2, path-3 ... that doesn't exist.
+
+    Args:
+        ending: what stays behind the number where the name ends with it, in whichever letters; else its suffix does.
+    """
     path = from_home(path)
+    behind = path.name[-len(ending) :] if ending and path.name.lower().endswith(ending) else path.suffix
+    name = path.name.removesuffix(behind)
     number = 1
     candidate = path
     while os.path.lexists(candidate):
         number += 1
-        candidate = path.with_name(f"{path.stem}-{number}{path.suffix}")
+        candidate = path.with_name(f"{name}-{number}{behind}")
     return candidate

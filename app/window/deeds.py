@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import os
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from app.document.document import Document
@@ -142,7 +143,8 @@ class Deeds:
             self._state.asking.tell(f"Saved {legible(str(path))}")
 
         start = self._folder() / f"{document.light.source().title.lower().replace(' ', '-')}{LIGHT_SUFFIX}"
-        self._ask_place("Save the light", start, LIGHT_SUFFIX, lambda path: self._write_or_ask(path, write))
+        free = partial(free_path, ending=LIGHT_SUFFIX)
+        self._ask_place("Save the light", start, LIGHT_SUFFIX, lambda path: self._write_or_ask(path, write, free))
 
     def export_as(self) -> None:
         """Choose where to save the picture as it is now, whichever photo is open by the time the place is known."""

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from live_editor import Editor
 
+from app.document.light_file import read_light
 from app.document.session_file import read_session
 from app.engine.sources import LightSource
 from app.ui.asking import Asking, Question
@@ -25,6 +26,19 @@ def asked(editor, wish):
     editor.state.asking.wish(wish)
     editor.live(1)
     return editor.state.picking
+
+
+@pytest.mark.parametrize(
+    ("name", "beside"),
+    [("mine.light.json", "mine-2.light.json"), ("Mine.LIGHT.json", "Mine-2.LIGHT.json"), ("a.b.json", "a.b-2.json")],
+)
+def test_a_light_that_is_kept_beside_another_ends_like_a_light(editor, tmp_path, name, beside):
+    place = tmp_path / name
+    place.touch()
+    asked(editor, "save_light").then([place])
+    editor.answer_question("Keep both")
+    assert read_light(tmp_path / beside).light.name == "rembrandt"
+    assert place.read_bytes() == b""
 
 
 def test_a_session_that_was_saved_elsewhere_is_offered_that_place_and_saved_there_unasked(editor, photos, tmp_path):
