@@ -67,6 +67,10 @@ class Panels:
         """The same with every panel shown or hidden."""
         return replace(self, light=shown, effects=shown, filmstrip=shown)
 
+    def shown_like(self, others: Panels) -> Panels:
+        """The same with those panels in sight that are so of others."""
+        return replace(self, light=others.light, effects=others.effects, filmstrip=others.filmstrip)
+
     def moved(self, name: str, edge: str) -> Panels:
         """The same with one panel at another edge, one of its EDGES."""
         return replace(self, **{f"{name}_at": edge})

@@ -61,6 +61,7 @@ class EditorState:
         view_of: the photo that `view` was made for.
         look: what is switched on for looking.
         panels: how large the panels are and which are in sight.
+        panels_before: as they were before all of them were hidden, until they come back.
         groups: which groups in them are open.
         export: how pictures are saved.
         cancel_wanted: the work that the user wants stopped, for one frame.
@@ -117,6 +118,7 @@ class EditorState:
     view_of: Photo | None = None
     look: LookState = field(default_factory=LookState)
     panels: Panels = field(default_factory=Panels)
+    panels_before: Panels | None = None
     groups: OpenGroups = field(default_factory=OpenGroups)
     export: ExportSettings = field(default_factory=ExportSettings)
     job: JobStatus | None = None

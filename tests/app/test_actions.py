@@ -55,6 +55,22 @@ def named(name):
     return next(action for action in ACTIONS if action.name == name)
 
 
+def test_panels_that_were_hidden_one_by_one_stay_so_when_all_the_others_come_back():
+    state = EditorState()
+    on("F7").run(state)
+    on("Tab").run(state)
+    assert (state.panels.filmstrip, state.panels.light, state.panels.effects) == (False, False, False)
+    on("Tab").run(state)
+    assert (state.panels.filmstrip, state.panels.light, state.panels.effects) == (True, False, True)
+
+
+def test_panels_that_were_all_hidden_one_by_one_all_come_back():
+    state = EditorState()
+    for keys in ("Tab", "F6", "Tab", "Tab", "F6", "F7", "F8", "F7", "F8", "Tab"):
+        on(keys).run(state)
+    assert (state.panels.filmstrip, state.panels.light, state.panels.effects) == (True, True, True)
+
+
 def test_no_two_actions_share_a_key_or_a_name():
     chords = [chord for action in ACTIONS for chord in action.chords]
     assert len(chords) == len(set(chords))

@@ -29,7 +29,6 @@ def test_the_panels_can_be_hidden_and_resized_and_are_remembered(display, religh
     hand.key(glfw.KEY_TAB)
     assert hand.viewport_width() == WIDTH
     hand.key(glfw.KEY_TAB)
-    hand.key(glfw.KEY_F8)
     window.close()
     again = EditorWindow(lambda: relighter, size=(WIDTH, HEIGHT), settings_path=path)
     try:

@@ -177,7 +177,12 @@ def _panel_shown(name: str) -> Callable[[EditorState], bool]:
 
 
 def _switch_panels(state: EditorState) -> None:
-    state.panels = state.panels.all_shown(not state.panels.any_shown)
+    if state.panels.any_shown:
+        state.panels_before, state.panels = state.panels, state.panels.all_shown(False)
+    else:
+        # None, where they were hidden one by one or in an earlier run.
+        state.panels = state.panels.shown_like(state.panels_before or Panels())
+        state.panels_before = None
 
 
 def _move_panel(name: str, key: str, title: str) -> Action:
