@@ -81,6 +81,7 @@ class EditorState:
         typing: which slider has its number typed in, if any.
         typing_began: the typing field still has to take the keyboard.
         typing_seen: the typing field has been drawn in this frame.
+        off_knob: by how much the mouse met a slider's knob off its middle, as it took hold of it.
         hand_on_control: a slider or the panorama is being dragged.
         pointing_at_faces: the mouse is on the choice of faces, so that the viewport shows which is which.
         faces: the boxes of the faces, while they are corrected.
@@ -138,6 +139,7 @@ class EditorState:
     typing: str | None = None
     typing_began: bool = False
     typing_seen: bool = False
+    off_knob: float = 0.0
     hand_on_control: bool = False
     pointing_at_faces: bool = False
     faces: FaceTool = field(default_factory=FaceTool)

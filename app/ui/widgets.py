@@ -218,19 +218,25 @@ def _track(state: EditorState, spec: Slider, value: float) -> float:
         value = spec.rest
     elif active:
         state.hand_on_control = True
-        pressed_beside = imgui.is_item_activated() and not _on_knob(spec, value, left.x, width, radius)
-        # Held still it stays, though no hand meets the knob's very middle.
-        if pressed_beside or imgui.get_io().mouse_delta.x:
-            along = (imgui.get_io().mouse_pos.x - left.x - radius) / max(1.0, width - 2 * radius)
-            value = _snapped(spec, spec.low + (spec.high - spec.low) * min(max(along, 0.0), 1.0))
+        value = _held(state, spec, value, left.x + radius, width - 2 * radius, radius)
     _draw_track(spec, value, left, width, height, radius, lit=hovered or active)
     return value
 
 
-def _on_knob(spec: Slider, value: float, left: float, width: float, radius: float) -> bool:
-    """Whether the mouse is on the knob, where a click alone must not move it."""
-    along = _along(spec, value)
-    return abs(left + radius + along * (width - 2 * radius) - imgui.get_io().mouse_pos.x) < radius
+def _held(state: EditorState, spec: Slider, value: float, start: float, length: float, radius: float) -> float:
+    """The value while the mouse holds the track, whose knob goes from `start` so far: it comes to a press beside it.
+
+    No hand meets the knob's very middle: a click on it moves nothing, and it is dragged by where it was met.
+    """
+    if imgui.is_item_activated():
+        state.off_knob = imgui.get_io().mouse_pos.x - start - _along(spec, value) * length
+        if abs(state.off_knob) < radius:
+            return value
+        state.off_knob = 0.0
+    elif not imgui.get_io().mouse_delta.x:
+        return value
+    along = (imgui.get_io().mouse_pos.x - state.off_knob - start) / max(1.0, length)
+    return _snapped(spec, spec.low + (spec.high - spec.low) * min(max(along, 0.0), 1.0))
 
 
 def _along(spec: Slider, value: float) -> float:

@@ -129,6 +129,13 @@ def test_a_click_on_a_sliders_knob_moves_nothing_however_long_it_is(opened, shad
     assert opened.window.state.edit.shadow == shadow
 
 
+@pytest.mark.parametrize("off", [-4, 4])
+def test_a_sliders_knob_goes_as_far_as_the_hand_wherever_it_is_met(opened, off):
+    (x, y), *_ = opened.knobs()
+    opened.drag((x + off, y), (x + off + 30, y))
+    assert opened.knobs()[0][0] == pytest.approx(x + 30, abs=1)
+
+
 def test_a_double_click_resets_a_slider(opened):
     x, y = opened.knobs()[0]
     opened.drag((x, y), (x + 60, y))
