@@ -84,7 +84,7 @@ def write_turntable(session: Session, light: Environment, edit: Edit, output: Pa
         canvas = canvas or _fine_enough(relit.full.canvas, window)
         image, alpha = replace(relit.full, canvas=canvas).part(_on_canvas(window, canvas))
         srgb = apply_view(image, edit.exposure_ev)
-        pictures.append((f"yaw {yaw_deg:g}°", srgb if alpha is None else on_ground(srgb, alpha)))
+        pictures.append((f"yaw {yaw_deg % 360.0:g}°", srgb if alpha is None else on_ground(srgb, alpha)))
     write_image(output, Photo.from_srgb(contact_sheet(pictures, _COLUMNS, _CELL_PX)).linear)
     return relit
 

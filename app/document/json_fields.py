@@ -46,13 +46,13 @@ class Fields:
         self._values, self._where, self._notes = dict(values), where, notes
 
     def number(self, key: str, low: float, high: float, default: float) -> float:
-        """A finite number, moved into the range; one of 360, as of degrees, is gone round in."""
+        """A finite number, moved into the range; one of whole turns about 0, as of degrees, is gone round in."""
         value = self._values.pop(key, default)
         if isinstance(value, bool) or not isinstance(value, int | float) or not _is_finite(value):
             raise InputError(f"{self._where}: {key} is not a number; mend the file or delete that line")
         kept = min(max(float(value), low), high)
-        if kept != value and high - low == _TURN_DEG:
-            kept = (float(value) - low) % _TURN_DEG + low
+        if kept != value and (high - low) % _TURN_DEG == 0:
+            kept = (float(value) + _TURN_DEG / 2) % _TURN_DEG - _TURN_DEG / 2
         if kept != value:
             self._notes.append(f"{key} {value:g} is out of range and became {kept:g}")
         return kept

@@ -15,6 +15,7 @@ from app.engine.sources import PHOTO_SUFFIXES
 from app.faults import confession
 from relight_core.errors import InputError
 from relight_core.imaging.files import KnownFiles
+from relight_core.imaging.formats.raster import RAW_SUFFIXES
 
 _NO_MEMORY = ("allocate memory", "out of memory", "insufficient memory")
 """What libraries say, whose exceptions are no MemoryError."""
@@ -124,15 +125,15 @@ def photos_in(folder: Path, others: KnownFiles | None = None) -> list[Path]:
         raise InputError(f"{folder}: can't be read ({error.strerror}); check its permissions") from error
     photos = [path for path in inside if path.suffix.lower() in PHOTO_SUFFIXES and not path.name.startswith(".")]
     photos = [path for path in photos if not path.is_dir() and (others is None or others.named(path) is None)]
-    photos = _without_exports(photos)
+    photos = _without_exports(photos, inside)
     if not photos:
         raise InputError(f"{folder}: no photos in this folder; choose one with JPEG, PNG, TIFF, HEIC or EXR files")
     return photos
 
 
-def _without_exports(photos: list[Path]) -> list[Path]:
-    """The photos without what was exported from one of them, under the name that an export has by itself."""
-    stems = {photo.stem for photo in photos}
+def _without_exports(photos: list[Path], inside: list[Path]) -> list[Path]:
+    """The photos without what was exported from one of them, or a raw one beside them, under an export's own name."""
+    stems = {photo.stem for photo in photos} | {path.stem for path in inside if path.suffix.lower() in RAW_SUFFIXES}
     return [photo for photo in photos if exported_stem(photo) not in stems]
 
 

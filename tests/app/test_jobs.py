@@ -263,6 +263,12 @@ def test_what_was_exported_beside_a_photo_is_no_photo_of_the_folder(tmp_path):
     assert [path.name for path in photos_in(tmp_path)] == sorted([*theirs, "a-relit-new.png"])
 
 
+def test_what_was_exported_of_a_raw_photo_is_no_photo_either(tmp_path):
+    for name in ("dsc_1.NEF", "dsc_1-relit.png", "dsc_2-relit.png"):
+        (tmp_path / name).write_bytes(b"pixels")
+    assert [path.name for path in photos_in(tmp_path)] == ["dsc_2-relit.png"]
+
+
 class Steps:
     def __init__(self, cancel_at=None):
         self.done, self._cancel_at = [], cancel_at

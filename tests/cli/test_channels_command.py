@@ -13,6 +13,7 @@ from app.cli.channels import write_channels
 from app.cli.report import counting
 from app.cli.turntable import _around, _fine_enough
 from relight_core.face.find import FaceBox
+from relight_core.imaging import contact_sheet
 from relight_core.imaging.contact_sheet import on_ground
 from relight_core.imaging.files import KnownFiles
 from relight_core.imaging.formats.exr import read_exr
@@ -97,6 +98,16 @@ def test_the_turntable_goes_round_once(relight, relighter, photo, tmp_path):
     assert [edit.yaw_deg for edit in relighter.edits] == pytest.approx([15 + 30 * step for step in range(12)])
     width, height = Image.open(sheet).size
     assert width > height > 600
+
+
+def test_the_turntable_s_labels_go_round_with_the_light(relight, photo, tmp_path, monkeypatch):
+    labels, draw = [], contact_sheet.contact_sheet
+    monkeypatch.setattr(
+        contact_sheet, "contact_sheet", lambda pictures, *sizes: labels.extend(pictures) or draw(pictures, *sizes)
+    )
+    assert relight("turntable", photo, "--light", "ring", "--yaw", 285, "-o", tmp_path / "sheet.png").code == 0
+    degrees = (285, 315, 345, 15, 45, 75, 105, 135, 165, 195, 225, 255)
+    assert [label for label, _ in labels] == [f"yaw {angle}°" for angle in degrees]
 
 
 def test_a_turntable_s_film_goes_round_once_frame_by_frame(relight, relighter, photo, tmp_path):

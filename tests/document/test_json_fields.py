@@ -36,10 +36,18 @@ def test_a_number_in_its_range_is_kept_as_a_float(fields, notes, value):
     assert fields().number("size", -3.0, 7.0, 1.5) == 1.5
 
 
-def test_only_what_is_a_whole_turn_wide_comes_round(fields, notes):
-    assert fields(roll=730.0).number("roll", -360.0, 360.0, 0.0) == 360.0
+def test_only_what_is_whole_turns_wide_comes_round(fields, notes):
+    assert fields(roll=730.0).number("roll", -360.0, 360.0, 0.0) == 10.0
+    assert fields(roll=-450.0).number("roll", -360.0, 360.0, 0.0) == -90.0
+    assert fields(roll=350.0).number("roll", -360.0, 360.0, 0.0) == 350.0
     assert fields(yaw=-190.0).number("yaw", -180.0, 180.0, 0.0) == 170.0
-    assert notes == ["roll 730 is out of range and became 360", "yaw -190 is out of range and became 170"]
+    assert fields(lift=190.0).number("lift", -90.0, 90.0, 0.0) == 90.0
+    assert [note.split(" is out of range and became ") for note in notes] == [
+        ["roll 730", "10"],
+        ["roll -450", "-90"],
+        ["yaw -190", "170"],
+        ["lift 190", "90"],
+    ]
 
 
 @pytest.mark.parametrize("value", [True, "1", None, [1], 10**400])

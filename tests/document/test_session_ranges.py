@@ -59,7 +59,7 @@ def test_a_note_about_a_light_that_is_gone_matters_only_where_that_light_follows
     assert session.lost_light == about_light
     assert session.told(light_follows=False) == [about_box, about_light]
     assert session.told(light_follows=True) == [about_box]
-    assert session.document == Document(PhotoRef(photo, boxes=(FaceBox(1, 1, 9, 9, 360.0),)))
+    assert session.document == Document(PhotoRef(photo, boxes=(FaceBox(1, 1, 9, 9, 0.0),)))
 
 
 def test_a_session_beside_a_photo_is_found_where_its_exports_go_elsewhere_by_now(photo, tmp_path, monkeypatch):
