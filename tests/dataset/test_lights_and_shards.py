@@ -71,6 +71,19 @@ def test_a_truncated_library_and_one_of_other_arrays(tmp_path, library):
 
 
 @pytest.mark.parametrize(
+    "places", [np.array([0, 1, np.nan, 2, 3, np.nan]), np.array(["2026-01-01"] * 5 + ["NaT"], "datetime64[D]")]
+)
+def test_a_library_of_places_that_no_split_could_hold_out_is_an_input_error(tmp_path, places):
+    path = tmp_path / "lights.npz"
+    write_lights(path, 6)
+    with np.load(path) as data:
+        arrays = dict(data) | {"group": places}
+    np.savez(path, **arrays)
+    with pytest.raises(InputError, match="a place in group is no number"):
+        load_lights(path, "train")
+
+
+@pytest.mark.parametrize(
     ("name", "shape"), [("env64", (6, 50, 100, 3)), ("env64", (4, 64, 128, 3)), ("names", ()), ("group", (5,))]
 )
 def test_a_library_of_other_shapes_is_an_input_error_and_no_fault(tmp_path, name, shape):

@@ -87,6 +87,9 @@ def _read(path: Path) -> dict[str, np.ndarray]:
             raise InputError(f"{path}: not a light library ({name} is {shapes[name]} and not {shape}); {mend}")
     if arrays["env64"].dtype.kind not in "fiu":
         raise InputError(f"{path}: not a light library (env64 holds no real numbers); {mend}")
+    # What equals nothing, not even itself, would be held out of no split.
+    if (arrays["group"] != arrays["group"]).any():
+        raise InputError(f"{path}: not a light library (a place in group is no number); {mend}")
     return arrays
 
 
