@@ -152,8 +152,8 @@ def test_inks_are_seen_through_their_profile_and_stand_upright(tmp_path, kind):
         np.testing.assert_allclose(shown(photo), expected, atol=2.5)
 
 
-def avif_saying(primaries, transfer):
-    data = bytearray(encoded(Image.new("RGB", (16, 12), (0, 255, 0)), "AVIF", quality=100))
+def avif_saying(primaries, transfer, mode="RGB", colour=(0, 255, 0)):
+    data = bytearray(encoded(Image.new(mode, (16, 12), colour), "AVIF", quality=100))
     struct.pack_into(">HH", data, data.index(b"nclx") + 4, primaries, transfer)
     return bytes(data)
 
@@ -166,6 +166,13 @@ def test_an_avif_is_in_the_colours_it_states_by_number(tmp_path):
     (tmp_path / "b.avif").write_bytes(avif_saying(1, pq))
     with pytest.raises(InputError, match=r"HDR picture \(PQ\)"):
         read_photo(tmp_path / "b.avif")
+
+
+@pytest.mark.parametrize("primaries", [1, 12])
+@pytest.mark.parametrize(("transfer", "linear"), [(8, 128 / 255), (4, (128 / 255) ** 2.2), (13, 0.2159)])
+def test_a_grey_avif_has_the_curve_it_states_by_number(tmp_path, primaries, transfer, linear):
+    (tmp_path / "a.avif").write_bytes(avif_saying(primaries, transfer, "L", 128))
+    np.testing.assert_allclose(read_photo(tmp_path / "a.avif").linear, linear, atol=5e-3)
 
 
 def test_what_only_the_photo_of_a_tiff_and_not_its_thumbnail_says_is_kept(tmp_path):

@@ -23,6 +23,18 @@ P3_GREEN = (-0.2249, 1.0421, -0.0786)
 """Display P3's in Rec.709."""
 
 
+@pytest.mark.parametrize(("bits", "key"), [(1, 1), (2, 1), (2, 3), (4, 9), (8, 200)])
+def test_the_grey_that_is_transparent_is_so_at_any_depth(tmp_path, bits, key):
+    codes = [0, key] if bits == 1 else [0, key, 2**bits - 2]
+    row = int("".join(f"{code:0{bits}b}" for code in codes).ljust(24, "0"), 2).to_bytes(3, "big")
+    chunks = chunk(b"IHDR", struct.pack(">IIBBBBB", len(codes), 1, bits, GREY, 0, 0, 0))
+    chunks += chunk(b"tRNS", struct.pack(">H", key)) + chunk(
+        b"IDAT", zlib.compress(b"\0" + row[: -(-len(codes) * bits // 8)])
+    )
+    (tmp_path / "a.png").write_bytes(SIGNATURE + chunks + chunk(b"IEND", b""))
+    np.testing.assert_array_equal(read_photo(tmp_path / "a.png").alpha[0], [1, 0, 1][: len(codes)])
+
+
 def numbers(primaries, transfer):
     return chunk(b"cICP", bytes([primaries, transfer, 0, 1]))
 

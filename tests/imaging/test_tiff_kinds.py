@@ -40,6 +40,24 @@ def test_integers_that_have_no_white_are_refused(tmp_path):
             read_photo(write(tmp_path / "a.tif", np.full((4, 5, 3), 9, kind)))
 
 
+def test_signed_bytes_are_refused_as_other_signed_integers_are(tmp_path):
+    for shape, colours in (((4, 5), "minisblack"), ((4, 5, 3), "rgb")):
+        with pytest.raises(InputError, match=UNREAD):
+            read_photo(written(tmp_path / "a.tif", np.full(shape, -3, np.int8), photometric=colours))
+
+
+@pytest.mark.parametrize("bits", [10, 12, 14])
+def test_white_of_any_number_of_bits_is_white(tmp_path, bits):
+    codes = (0, 2 ** (bits - 1), 2**bits - 2, 2**bits - 1)
+    packed = int("".join(f"{code:0{bits}b}" for code in codes), 2).to_bytes(bits // 2, "big")
+    path = written(tmp_path / "a.tif", np.frombuffer(packed * 3, np.uint8).reshape(3, -1), photometric="minisblack")
+    photo = read_photo(changed(path, BitsPerSample=bits, ImageWidth=len(codes)))
+    assert photo.linear.shape == (3, 4, 3)
+    np.testing.assert_array_equal(photo.linear[:, [0, 3]], np.broadcast_to([[0.0], [1.0]], (3, 2, 3)))
+    np.testing.assert_allclose(photo.linear[:, 1], 0.2140, atol=2e-3)
+    assert (photo.linear[:, 2] < 1).all()
+
+
 def test_floats_of_64_bits_are_read_as_those_of_32(tmp_path):
     photo = read_photo(written(tmp_path / "a.tif", np.full((4, 5, 3), 2.5)))
     np.testing.assert_array_equal(photo.linear, 2.5)

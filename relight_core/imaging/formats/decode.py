@@ -36,7 +36,7 @@ _FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "BMP", "GIF", "AVIF")
 _TIFF_HEADS = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _GREYS = ("1", "L", "LA", "La")
 _BY_LIBRARY = ("CMYK", "LAB")
-_PNG_PLAIN_GREY, _PNG_GREYS = 0, (0, 4)
+_PNG, _PNG_PLAIN_GREY, _PNG_GREYS = b"\x89PNG\r\n\x1a\n", 0, (0, 4)
 _PNG_SAMPLES = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
 _MOST_DEFLATED = 1032
 """Bytes that one byte of deflated data can stand for at the most (zlib's technical notes)."""
@@ -94,8 +94,10 @@ def _decode_by_pillow(data: bytes, path: Path) -> Raster:
     """What Pillow reads, and PNGs of 16 bits, which it opens."""
     image = _open_with_pillow(data, path)
     icc = _profile_of(image, data, path)
-    if data[:8] == b"\x89PNG\r\n\x1a\n" and data[24] == 16:
-        return replace(_decode_deep_png(data, image, icc, path), exif=carried_exif(image, data))
+    if data.startswith(_PNG):
+        if data[24] == 16:
+            return replace(_decode_deep_png(data, image, icc, path), exif=carried_exif(image, data))
+        _scale_key(image, bits=data[24])
     try:
         # As of TIFFs with more bits; whichever program wrote the file, and its dots per inch, is of no camera.
         exif = exif_of_tiff(data) if image.format == "TIFF" else carried_exif(image, data)
@@ -186,11 +188,19 @@ def _profile_of(image: Image.Image, data: bytes, path: Path) -> bytes | None:
     if embedded is not None or image.mode in _BY_LIBRARY:
         return embedded
     if image.format == "AVIF":
-        return stated_profile(data, path)
+        return stated_profile(data, 1 if image.mode in _GREYS else 3, path)
     # Programs copy a camera's EXIF into files of other formats, whatever they make of its colours.
     if image.format in ("JPEG", "MPO", "TIFF"):
         return exif_profile(exif_of(image, data), 1 if image.mode in _GREYS else 3)
     return None
+
+
+def _scale_key(image: Image.Image, bits: int) -> None:
+    """Bring the grey that a PNG has transparent to 8 bits, as Pillow does with pixels of 2 and 4, but not with it."""
+    key = image.info.get("transparency")
+    if image.mode == "L" and isinstance(key, int):
+        most = 2**bits - 1
+        image.info["transparency"] = (key & most) * 255 // most
 
 
 def _from_pillow(image: Image.Image, icc: bytes | None) -> Raster:

@@ -18,7 +18,7 @@ from relight_core.errors import InputError
 from relight_core.imaging.formats.library_profiles import through_library_profile
 from relight_core.imaging.formats.limits import BYTES_PER_PIXEL, check_pixels
 from relight_core.imaging.formats.opencv_decoding import decoded_by_opencv, in_rgb_order
-from relight_core.imaging.formats.raster import Raster, damaged
+from relight_core.imaging.formats.raster import Raster, at_full_scale, damaged
 from relight_core.imaging.formats.stated_colours import exif_profile
 from relight_core.imaging.formats.tiff_exif import exif_of_tiff
 from relight_core.imaging.formats.tiff_pages import stated_orientation
@@ -48,13 +48,15 @@ class _Kind(NamedTuple):
 
 
 def decode_deep_tiff(data: bytes, path: Path) -> Raster | None:
-    """Decode the first picture; None where it has 8 bits or fewer, which Pillow reads.
+    """Decode the first picture; None where it has 8 bits or fewer, which Pillow reads, though signed ones wrongly.
 
     Raises:
         InputError: damaged, too large or of an unsupported kind.
     """
     page, kind = _described(data, path)
     if kind.bits <= 8:
+        if page.dtype is not None and page.dtype.kind == "i":
+            raise unread_tiff(path)
         return None
     raster = _decoded(page, kind, data)
     if raster is None:
@@ -115,7 +117,7 @@ def _described(data: bytes, path: Path) -> tuple[tifffile.TiffPage, _Kind]:
 
 def _decoded(page: tifffile.TiffPage, kind: _Kind, data: bytes) -> Raster | None:
     by_opencv = _opencv_reads(page, kind)
-    values = _by_opencv(data) if by_opencv else _by_tifffile(page, kind, data)
+    values = _by_opencv(data, kind.bits) if by_opencv else _by_tifffile(page, kind, data)
     if values is None:
         return None
     raster = _as_raster(values, page, kind.photometric)
@@ -133,11 +135,14 @@ def _opencv_reads(page: tifffile.TiffPage, kind: _Kind) -> bool:
     return kind.photometric in (_BLACK_IS_0, _RGB) and kind.samples in (1, 3, 4)
 
 
-def _by_opencv(data: bytes) -> np.ndarray | None:
+def _by_opencv(data: bytes, bits: int) -> np.ndarray | None:
     """(H, W, channels) upright, or None."""
     values = decoded_by_opencv(data)
     if values is None or values.dtype not in (np.uint16, np.float32, np.float64):
         return None
+    if values.dtype == np.uint16 and bits < 16:
+        # OpenCV fills up fewer bits with zeros, which leaves white a little grey.
+        values = at_full_scale(values >> (16 - bits), bits)
     return in_rgb_order(values.astype(np.float32) if values.dtype == np.float64 else values)
 
 

@@ -11,7 +11,7 @@ import pi_heif
 from relight_core.errors import InputError
 from relight_core.imaging.formats.limits import check_pixels
 from relight_core.imaging.formats.metadata import carried_block
-from relight_core.imaging.formats.raster import Raster, damaged
+from relight_core.imaging.formats.raster import Raster, at_full_scale, damaged
 from relight_core.imaging.formats.stated_colours import numbered_profile
 
 _BRANDS = (b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"msf1")
@@ -33,22 +33,25 @@ def decode_heif(data: bytes, path: Path) -> Raster:
     """
     image = _opened(data, path)
     check_pixels(*image.size, path)
-    icc = image.info.get("icc_profile") or _stated_profile(image.info.get("nclx_profile"), path)
     try:
         # A copy: the library's own memory goes with its image.
         codes = np.array(image)
-        codes = _full_scale(codes.reshape(*codes.shape[:2], -1), int(image.info.get("bit_depth") or 8))
+        codes = at_full_scale(codes.reshape(*codes.shape[:2], -1), int(image.info.get("bit_depth") or 8))
     except Exception:
         raise damaged(path, "HEIC") from None
     values, alpha = codes, None
     if image.has_alpha:
         values, alpha = codes[..., :-1], codes[..., -1].astype(np.float32) / np.iinfo(codes.dtype).max
+    icc = image.info.get("icc_profile") or _stated_profile(image.info.get("nclx_profile"), values.shape[2], path)
     exif = carried_block(image.info.get("exif"))
     return Raster(np.ascontiguousarray(values), alpha, icc, 1, image.premultiplied_alpha, exif)
 
 
-def stated_profile(data: bytes, path: Path) -> bytes | None:
+def stated_profile(data: bytes, channels: int, path: Path) -> bytes | None:
     """The profile for what an AVIF or HEIF says of its colours by number; None for sRGB or where it says nothing.
+
+    Args:
+        channels: of colour, 1 or 3.
 
     Raises:
         InputError: it is of high dynamic range.
@@ -57,7 +60,7 @@ def stated_profile(data: bytes, path: Path) -> bytes | None:
         info = _opened(data, path).info
     except InputError:
         return None
-    return _stated_profile(info.get("nclx_profile"), path)
+    return _stated_profile(info.get("nclx_profile"), channels, path)
 
 
 def _opened(data: bytes, path: Path) -> pi_heif.HeifImage:
@@ -107,16 +110,7 @@ def _top_box(data: bytes, name: bytes) -> bytes:
     return b""
 
 
-def _stated_profile(nclx: dict | None, path: Path) -> bytes | None:
+def _stated_profile(nclx: dict | None, channels: int, path: Path) -> bytes | None:
     if not nclx:
         return None
-    return numbered_profile(nclx["color_primaries"], nclx["transfer_characteristics"], 3, path)
-
-
-def _full_scale(codes: np.ndarray, bits: int) -> np.ndarray:
-    """10 and 12 bits as 16, white staying white."""
-    if codes.dtype == np.uint8:
-        return codes
-    most = min(2**bits, 65536) - 1
-    table = np.rint(np.minimum(np.arange(65536) / most, 1.0) * 65535).astype(np.uint16)
-    return table[codes]
+    return numbered_profile(nclx["color_primaries"], nclx["transfer_characteristics"], channels, path)

@@ -55,6 +55,15 @@ class Raster:
         return divided.astype(np.float32)
 
 
+def at_full_scale(codes: np.ndarray, bits: int) -> np.ndarray:
+    """Codes of 10, 12 or 14 bits as such of 16, white staying white; those of 8 as they are."""
+    if codes.dtype == np.uint8:
+        return codes
+    most = min(2**bits, 65536) - 1
+    table = np.rint(np.minimum(np.arange(65536) / most, 1.0) * 65535).astype(np.uint16)
+    return table[codes]
+
+
 def damaged(path: Path, what: str = "image") -> InputError:
     """The error that a decoder raises where a file is not whole."""
     return InputError(f"{path}: a truncated or damaged {what}; fetch or export it again")
