@@ -63,6 +63,7 @@ def greyed(monkeypatch):
 
 def test_names_that_differ_only_behind_hashes_look_different(opened, folder):
     looks = []
+    opened.window.shelf.wait()
     for changed_ns, name in enumerate(("a##1.png", "a##2.png")):
         (folder / name).touch()
         os.utime(folder, ns=(changed_ns, changed_ns))

@@ -19,6 +19,7 @@ def rows(monkeypatch):
 
 def test_names_that_differ_only_behind_hashes_look_different_in_the_list(opened):
     state, looks = opened.window.state, []
+    opened.window.shelf.wait()
     state.groups = OpenGroups(export=False, background=False)
     for name in ("Open a##1.png", "Open a##1.png", "Open a##2.png"):
         state.history.steps[0] = replace(state.history.steps[0], name=name)
