@@ -28,7 +28,7 @@ the parsing sees a face. Those of photos overexposed by two stops, or of so few 
 
 
 class FaceSearch:
-    """A photo under the eyes of the parsing, at the tier that is quickest."""
+    """A photo under the eyes of the parsing (`choosing_faces.Eyes`), at the tier that is quickest."""
 
     def __init__(self, shop: Workshop, photo: Photo) -> None:
         """Look at nothing yet."""
@@ -46,7 +46,7 @@ class FaceSearch:
         Raises:
             NoFaceError: there are none.
         """
-        found = choose_faces(self._photo.seen, self._evidence, self._located, self._look_closer, self._glimpse)
+        found = choose_faces(self._photo.seen, self)
         return [replace(face, doubtful=False) for face in found]
 
     def parsing(self, view: Crop) -> np.ndarray:
@@ -55,34 +55,38 @@ class FaceSearch:
             self._known[view] = self._parse(view)
         return self._known[view]
 
+    def evidence(self, box: FaceBox) -> int:
+        """How many parts of a face are seen there."""
+        portrait = frame(self._photo, box)
+        return evidence_of_face(self.labels(portrait.view), portrait.view, portrait.crop)
+
+    def glimpse(self, box: FaceBox) -> int:
+        """How many parts of a face are only suspected there."""
+        portrait = frame(self._photo, box)
+        return glimpses_of_face(self.parsing(portrait.view), portrait.view, portrait.crop)
+
+    def locate(self, view: Crop) -> FaceBox | None:
+        """The face that the parsing of a view shows, if any."""
+        place = located(self._photo, view, self.parsing)
+        return place if place is not None and self._has_contrast(place) else None
+
+    def look_closer(self, box: FaceBox) -> int:
+        """The evidence where the parsing is certain of a face, as it is framed at last."""
+        first = frame(self._photo, box)
+        if certainty_of_face(self.parsing(first.view), first.view, first.crop) < _LEAST_CERTAIN:
+            return 0
+        portrait = framed(self._photo, box, self.parsing)
+        if portrait.face == portrait.found:
+            return 0
+        # The framing may come out wider, and brows then too small to be seen.
+        return max(evidence_of_face(self.labels(portrait.view), portrait.view, portrait.crop), self.evidence(box))
+
     def _parse(self, view: Crop) -> np.ndarray:
         seen = network_view(self._photo, view, self._tier.size, exposure_of_view(self._photo, view))
         found = self._shop.delight(seen, self._tier)
         return found.parsing[0].float().cpu().numpy()
 
-    def _located(self, view: Crop) -> FaceBox | None:
-        place = located(self._photo, view, self.parsing)
-        return place if place is not None and self._has_contrast(place) else None
-
     def _has_contrast(self, place: FaceBox) -> bool:
         middle = Crop((place.x0 + place.x1) / 2, (place.y0 + place.y1) / 2, min(place.width, place.height))
         dark, bright = np.percentile(luminance(looked_at(self._photo, middle)), (2, 98))
         return bool(bright - dark > _LEAST_CONTRAST * bright)
-
-    def _glimpse(self, found: FaceBox) -> int:
-        portrait = frame(self._photo, found)
-        return glimpses_of_face(self.parsing(portrait.view), portrait.view, portrait.crop)
-
-    def _evidence(self, found: FaceBox) -> int:
-        portrait = frame(self._photo, found)
-        return evidence_of_face(self.labels(portrait.view), portrait.view, portrait.crop)
-
-    def _look_closer(self, found: FaceBox) -> int:
-        first = frame(self._photo, found)
-        if certainty_of_face(self.parsing(first.view), first.view, first.crop) < _LEAST_CERTAIN:
-            return 0
-        portrait = framed(self._photo, found, self.parsing)
-        if portrait.face == portrait.found:
-            return 0
-        # The framing may come out wider, and brows then too small to be seen.
-        return max(evidence_of_face(self.labels(portrait.view), portrait.view, portrait.crop), self._evidence(found))

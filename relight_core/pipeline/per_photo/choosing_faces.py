@@ -10,8 +10,9 @@ Cascades alone are not believed, so they are judged by the parsing of the place 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from typing import Protocol
 
 import numpy as np
 
@@ -46,36 +47,39 @@ _AGREED, _SAME_PLACE = 4, 0.7
 """Windows of the search that lead to one place, where boxes share so much of their union."""
 
 
-def choose_faces(
-    photo: Photo,
-    evidence: Callable[[FaceBox], int] | None = None,
-    locate: Callable[[Crop], FaceBox | None] = lambda view: None,
-    look_closer: Callable[[FaceBox], int] | None = None,
-    glimpse: Callable[[FaceBox], int] = lambda box: 0,
-) -> list[FaceBox]:
+class Eyes(Protocol):
+    """What looks at places in a photo."""
+
+    def evidence(self, box: FaceBox) -> int:
+        """0 to 3. With 2 a box of the cascades counts, and where none does, less likely places are judged by it, also
+        those of faces that lie or are upside down."""
+
+    def glimpse(self, box: FaceBox) -> int:
+        """0 to 3. With 3 a box on which the cascades agree counts, or a face that lies or is upside down; with 2 or 3
+        a place to which `locate` leads from several views."""
+
+    def locate(self, view: Crop) -> FaceBox | None:
+        """The face in a view of the photo, if any; asked where nothing else finds one, or only specks."""
+
+    def look_closer(self, box: FaceBox) -> int:
+        """A stricter `evidence`, of more faces beside confirmed ones, where there is room for some."""
+
+
+def choose_faces(photo: Photo, eyes: Eyes | None = None) -> list[FaceBox]:
     """All faces, the largest first.
 
     Args:
-        evidence: 0 to 3 for a box. With it, a box of the cascades counts only with an evidence of 2; where none is
-            left, less likely places are judged by it, also those of faces that lie or are upside down. None believes
-            the cascades.
-        locate: the face in a view of the photo, if any; asked where nothing else finds one, or only specks.
-        look_closer: a stricter `evidence`. With it, more faces are looked for beside confirmed ones, where there is
-            room for some.
-        glimpse: 0 to 3 for a box. A glimpse of 3 confirms a box on which the cascades agree, or a face that lies or is
-            upside down; one of 2 or 3 confirms a place to which `locate` leads from several views.
+        eyes: what judges the boxes of the cascades, and finds what these don't; None believes the cascades.
 
     Raises:
         NoFaceError: no face.
     """
-    if evidence is None:
+    if eyes is None:
         faces = find_faces(photo) or find_small_faces(photo)
     else:
-        faces = find_faces(photo, lambda box: evidence(box) == _ALL_EVIDENCE)
-    if evidence is not None and (not faces or any(face.doubtful for face in faces)):
-        faces = _confirmed(photo, faces, evidence, locate, glimpse)
-        if look_closer is not None:
-            faces = _with_companions(photo, faces, look_closer)
+        faces = find_faces(photo, lambda box: eyes.evidence(box) == _ALL_EVIDENCE)
+        if not faces or any(face.doubtful for face in faces):
+            faces = _with_companions(photo, _confirmed(photo, faces, eyes), eyes)
     return those_chosen(photo, faces, None)
 
 
@@ -99,13 +103,7 @@ def those_chosen(photo: Photo, faces: Sequence[FaceBox], face_index: int | None)
     return [faces[face_index]]
 
 
-def _confirmed(
-    photo: Photo,
-    found: list[FaceBox],
-    evidence: Callable[[FaceBox], int],
-    locate: Callable[[Crop], FaceBox | None],
-    glimpse: Callable[[FaceBox], int],
-) -> list[FaceBox]:
+def _confirmed(photo: Photo, found: list[FaceBox], eyes: Eyes) -> list[FaceBox]:
     """The confirmed boxes; else the best guess; else what is located; else boxes with any evidence at all.
 
     Small faces in a large photo are looked for last: hardly a portrait has none but those, and the search takes longer
@@ -113,36 +111,37 @@ def _confirmed(
     """
 
     def is_sure(face: FaceBox) -> bool:
-        return not face.doubtful or evidence(face) >= _ENOUGH_EVIDENCE or glimpse(face) == _ALL_EVIDENCE
+        seen = not face.doubtful or eyes.evidence(face) >= _ENOUGH_EVIDENCE
+        return seen or eyes.glimpse(face) == _ALL_EVIDENCE
 
     def guessed() -> list[FaceBox]:
-        return _best(guess_faces(photo), evidence, glimpse)
+        return _best(guess_faces(photo), eyes)
 
     def searched() -> list[FaceBox]:
-        return _searched(photo, locate, evidence, glimpse)
+        return _searched(photo, eyes)
 
     faces = list(filter(is_sure, found))
-    if faces and all(_is_speck(face, photo, evidence(face)) for face in faces):
+    if faces and all(_is_speck(face, photo, eyes.evidence(face)) for face in faces):
         # Specks are often a button or a fold beside a face that cascades don't see, in profile, or the teeth of one
         # that lies. A much wider face that is seen whole is preferred.
         least_width = _MUCH_WIDER * max(face.width for face in faces)
         # Where a face lies, the search may merely suspect one that stands: then a guess that shows all is better.
         places = (_wider(look(), least_width) for look in (searched, guessed))
-        faces = _fullest(places, evidence) or faces
+        faces = _fullest(places, eyes) or faces
     if not faces:
         # Not simply the first: beside a leaning head, leaves that pass for half a face may be all that cascades hit.
-        faces = _fullest((look() for look in (guessed, searched)), evidence)
+        faces = _fullest((look() for look in (guessed, searched)), eyes)
     if not faces and not found:
         found = find_small_faces(photo)
         faces = list(filter(is_sure, found))
     if not faces:
-        return [face for face in found if evidence(face) > 0]
+        return [face for face in found if eyes.evidence(face) > 0]
     faces = [replace(face, doubtful=False) for face in faces]
     remember_faces(photo, faces)
     return faces
 
 
-def _fullest(choices: Iterable[list[FaceBox]], evidence: Callable[[FaceBox], int]) -> list[FaceBox]:
+def _fullest(choices: Iterable[list[FaceBox]], eyes: Eyes) -> list[FaceBox]:
     """The first choice whose faces all have full evidence, else the first that has any faces.
 
     Where the photo cuts off a brow, one half of the face, or its nostrils and mouth, may pass for a small face that
@@ -152,10 +151,10 @@ def _fullest(choices: Iterable[list[FaceBox]], evidence: Callable[[FaceBox], int
     for faces in choices:
         if not faces:
             continue
-        seen = min(map(evidence, faces))
+        seen = min(map(eyes.evidence, faces))
         if seen == _ALL_EVIDENCE:
             return faces
-        if not left or (_lies_within(left, faces) and seen >= min(map(evidence, left))):
+        if not left or (_lies_within(left, faces) and seen >= min(map(eyes.evidence, left))):
             left = faces
     return left
 
@@ -181,12 +180,7 @@ def _is_speck(face: FaceBox, photo: Photo, seen: int) -> bool:
     return seen < _ALL_EVIDENCE and face.width < share * min(photo.linear.shape[:2])
 
 
-def _searched(
-    photo: Photo,
-    locate: Callable[[Crop], FaceBox | None],
-    evidence: Callable[[FaceBox], int],
-    glimpse: Callable[[FaceBox], int],
-) -> list[FaceBox]:
+def _searched(photo: Photo, eyes: Eyes) -> list[FaceBox]:
     """The one face that a search through the whole photo finds, if any, with no cascade.
 
     Full evidence ends the search. A face that is turned far aside, bowed, or cut by the photo's edge shows only halves
@@ -194,17 +188,17 @@ def _searched(
     where five do.
     """
     places: list[FaceBox] = []
-    for place in map(locate, search_windows(photo.linear.shape[:2])):
+    for place in map(eyes.locate, search_windows(photo.linear.shape[:2])):
         if place is None:
             continue
-        if evidence(place) == _ALL_EVIDENCE:
+        if eyes.evidence(place) == _ALL_EVIDENCE:
             return [place]
         places.append(place)
     votes = [sum(_same_place(place, other) for other in places) for place in places]
     for place, agreed in sorted(zip(places, votes, strict=True), key=lambda pair: -pair[1]):
         if agreed < _AGREED:
             break
-        if (suspected := glimpse(place)) >= _ENOUGH_EVIDENCE and suspected + agreed >= _ALL_EVIDENCE + _AGREED:
+        if (suspected := eyes.glimpse(place)) >= _ENOUGH_EVIDENCE and suspected + agreed >= _ALL_EVIDENCE + _AGREED:
             return [place]
     return []
 
@@ -214,9 +208,9 @@ def _same_place(place: FaceBox, other: FaceBox) -> bool:
     return overlap(*corners) > _SAME_PLACE
 
 
-def _with_companions(photo: Photo, faces: list[FaceBox], look_closer: Callable[[FaceBox], int]) -> list[FaceBox]:
+def _with_companions(photo: Photo, faces: list[FaceBox], eyes: Eyes) -> list[FaceBox]:
     """The faces, and those beside them that the finder saw too little of, the largest first."""
-    more = [guess for guess in guess_companions(photo, faces) if look_closer(guess) >= _ENOUGH_EVIDENCE]
+    more = [guess for guess in guess_companions(photo, faces) if eyes.look_closer(guess) >= _ENOUGH_EVIDENCE]
     if not more:
         return faces
     faces = [*faces, *(replace(face, doubtful=False) for face in more)]
@@ -225,13 +219,11 @@ def _with_companions(photo: Photo, faces: list[FaceBox], look_closer: Callable[[
     return faces
 
 
-def _best(
-    guesses: Iterable[FaceBox], evidence: Callable[[FaceBox], int], glimpse: Callable[[FaceBox], int]
-) -> list[FaceBox]:
+def _best(guesses: Iterable[FaceBox], eyes: Eyes) -> list[FaceBox]:
     """The guess of the highest rank, if it has any; the first that shows all of a face and stands ends it."""
     best, highest = [], ()
     for guess in guesses:
-        rank = _rank(evidence(guess), glimpse(guess), abs(guess.roll_deg))
+        rank = _rank(eyes.evidence(guess), eyes.glimpse(guess), abs(guess.roll_deg))
         if rank > highest:
             best, highest = [guess], rank
         if rank[:2] == (True, True):
