@@ -1,13 +1,15 @@
 """What the command line names is opened: a photo or a session, and the light beside it."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from app.document.document import Document, LightRef, PhotoRef
-from app.document.session_file import write_session
+from app.document.session_file import read_session, write_session
 from app.ui.state import EditorState
 from app.window.dropped import open_named
+from app.window.run import run_editor
 from relight_core.pipeline.edit import Edit
 
 
@@ -69,6 +71,14 @@ def test_several_named_photos_and_a_folder_of_them_become_a_queue_under_the_name
     open_named(state, [Path(name) for name in names], "split")
     assert [path.name for path in state.queue.paths] == sorted(["me.jpg", "friend.jpg"], reverse=len(names) > 1)
     assert (state.photo.path, state.light.name) == (state.queue.paths[0], "split")
+
+
+def test_a_photo_named_by_way_of_another_folder_is_opened_by_the_path_that_its_session_has(shoot, monkeypatch):
+    window, opened = SimpleNamespace(state=None, run=lambda: None, close=lambda: None), []
+    monkeypatch.setattr("app.window.window.EditorWindow", lambda *_, **kept: window)
+    monkeypatch.setattr("app.window.dropped.open_named", lambda state, paths, light: opened.extend(paths))
+    assert run_editor([Path("..") / shoot.name / "me.jpg"]) == 0
+    assert opened == [read_session(Path("me.relight.json")).document.photo.path]
 
 
 def test_a_named_file_that_is_bad_is_told(shoot):
