@@ -94,10 +94,11 @@ vec4 relit_at(vec2 uv) {
 #endif
 }
 
-#ifdef FINE
+#ifdef SUPERSAMPLED
 
-// The same over a pixel of the screen that is so large, by four looks at its quarters: what is looked up is an average,
-// and an average of the photo times the gain of one place is no average of the picture, where the gain has an edge.
+// The same averaged over a pixel of the screen of this extent, by one sample in each of its quarters. A texture look-up
+// averages the photo and the gain apart, and the product of two averages is not the average of the picture where the
+// gain has an edge.
 vec4 relit_over(vec2 uv, vec2 extent) {
     vec4 sum = vec4(0.0);
     for (int i = 0; i < 4; i++) {

@@ -110,7 +110,7 @@ void main() {
         shown = vec4(canvas_srgb, 1.0);
         return;
     }
-#if defined(RECIPE) && defined(FINE)
+#if defined(RECIPE) && defined(SUPERSAMPLED)
     vec4 texel = relit_over(uv, 1.0 / place.zw);
 #elif defined(RECIPE)
     vec4 texel = relit_at(uv);

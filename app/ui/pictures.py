@@ -26,8 +26,9 @@ class Paint:
 
     Attributes:
         stripe_px: width of the clipping stripes, in framebuffer pixels.
-        check_px: side of the checks behind what is transparent, likewise.
-        fine: edges are as clean as in the picture itself where that is shown smaller; takes three times as long.
+        check_px: side of a check of the checkerboard behind what is transparent, in framebuffer pixels.
+        supersampled: where the picture is shown smaller, each pixel of the screen is the mean of 2 x 2 samples, so
+            that edges are as clean as in the picture itself; takes three times as long.
     """
 
     clipping: bool = False
@@ -35,7 +36,7 @@ class Paint:
     difference: bool = False
     stripe_px: float = 4.0
     check_px: float = 12.0
-    fine: bool = True
+    supersampled: bool = True
 
 
 class Pictures(Protocol):

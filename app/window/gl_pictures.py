@@ -19,7 +19,6 @@ from app.ui.channels import PHOTO, RESULT
 from app.ui.pictures import Paint, Shown
 from app.ui.viewport.panes import Pane
 from app.window.damage import WHOLE, Part
-from app.window.finish import MOST_FINE_PIXELS, Finish
 from app.window.gl_light_ball import LightBall
 from app.window.gl_recipe import RelitSlot
 from app.window.gl_scopes import Scopes, is_same_reading
@@ -31,8 +30,9 @@ from app.window.gl_viewport import (
     covered,
     covered_pixels,
     draws_in_software,
-    gains_by_looks,
+    gains_by_supersampling,
 )
+from app.window.supersampling import MOST_SUPERSAMPLED_PIXELS, SupersamplingDelay
 from relight_core.imaging.scopes import Extremes
 from relight_core.lighting.environment import Environment
 
@@ -65,7 +65,7 @@ class GlPictures:
         self._panorama = TextureSlot(context, repeat_x=True)
         self._viewport, self._coarse_viewport = Canvas(context, smooth=False, opaque=True), Canvas(context, opaque=True)
         self._seen = self._viewport
-        self._in_software, self._finish = draws_in_software(context), Finish()
+        self._in_software, self._supersampling = draws_in_software(context), SupersamplingDelay()
         self._flush = ctypes.CFUNCTYPE(None)(glfw.get_proc_address("glFlush"))
         self._thumbnails = {name: Canvas(context) for name in (PHOTO, RESULT)}
         self._scopes = Scopes(context)
@@ -131,7 +131,7 @@ class GlPictures:
         exposures = tuple(self._exposure_of(pane.name) for pane in panes)
         # A difference reads the photo too.
         versions = tuple(self._versions.get(name, 0) for name in (PHOTO, *(pane.name for pane in panes)))
-        paint = replace(paint, fine=self._is_fine(panes, size, paint, exposures, versions))
+        paint = replace(paint, supersampled=self._is_supersampled(panes, size, paint, exposures, versions))
         if self.hurried and self._in_software:
             key, canvas = "coarse viewport", self._coarse_viewport
             panes, size, paint = coarser(panes, size, paint, coarseness(panes, size))
@@ -147,18 +147,22 @@ class GlPictures:
                 draw()
         return _shown(canvas.texture)
 
-    def _is_fine(self, panes: tuple[Pane, ...], size: tuple[int, int], *look: object) -> bool:
-        """Whether the viewport is drawn finely; no hand that moves something waits for that."""
-        gains = not self.hurried and any(gains_by_looks(pane, self._slots) for pane in panes)
+    def _is_supersampled(self, panes: tuple[Pane, ...], size: tuple[int, int], *look: object) -> bool:
+        """Whether the viewport is supersampled in this frame; never while a hand moves something.
+
+        Args:
+            look: whatever else decides what the viewport looks like.
+        """
+        gains = not self.hurried and any(gains_by_supersampling(pane, self._slots) for pane in panes)
         if not self._in_software:
             return gains
-        fits = covered_pixels(panes, size) <= MOST_FINE_PIXELS
-        return self._finish.has_come((panes, size, look, self.hurried), gains and fits)
+        fits = covered_pixels(panes, size) <= MOST_SUPERSAMPLED_PIXELS
+        return self._supersampling.is_over((panes, size, look, self.hurried), gains and fits)
 
     @property
     def is_unfinished(self) -> bool:
-        """The viewport is drawn more finely if some more frames ask for the same."""
-        return self._finish.is_due
+        """Whether the viewport will be supersampled if some more frames ask for the same."""
+        return self._supersampling.is_pending
 
     def draw_ahead(self) -> bool:
         """After a frame was shown: draw the viewport for the next one, if it is another; whether it is.

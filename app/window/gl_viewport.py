@@ -86,14 +86,14 @@ class PicturePainter:
                 continue
             canvas.framebuffer.scissor = (x0, y0, x1 - x0, y1 - y0)
             mode, slot = _mode(pane.name, paint), slots[pane.name]
-            switches, looks = slot.switches(), 1
-            if paint.fine and gains_by_looks(pane, slots):
-                switches, looks = ("FINE", *switches), 2
+            switches, samples = slot.switches(), 1
+            if paint.supersampled and gains_by_supersampling(pane, slots):
+                switches, samples = ("SUPERSAMPLED", *switches), 2
             if mode != _PLAIN or paint.clipping:
                 switches = ("INSPECTED", *switches)
                 self._inspect(self._triangle(*switches).program, slots, paint, mode)
             triangle = self._triangle(*switches)
-            self._picture(triangle, slots, pane.name, pane.placement, exposure_ev, paint.check_px, looks)
+            self._picture(triangle, slots, pane.name, pane.placement, exposure_ev, paint.check_px, samples)
         canvas.framebuffer.scissor = None
 
     def thumbnail(self, canvas: Canvas, slots: Slots, name: str, scale: float, exposure_ev: float) -> None:
@@ -117,12 +117,12 @@ class PicturePainter:
         place: Placement,
         exposure_ev: float,
         check_px: float,
-        looks: int = 1,
+        samples: int = 1,
     ) -> None:
         """One picture.
 
         Args:
-            looks: how often the program looks at it within a pixel of the canvas, across and down.
+            samples: how many samples the program takes within a pixel of the canvas, across and down.
         """
         slot, program = slots[name], triangle.program
         # A light has so few texels that only their blend can be read as a place.
@@ -134,7 +134,7 @@ class PicturePainter:
         program["encoded"].value = name not in (PHOTO, RESULT)
         program["has_alpha"].value = slot.has_alpha
         program["exposure_ev"].value = exposure_ev if name == RESULT else 0.0
-        slot.bind(program, looks * place.width)
+        slot.bind(program, samples * place.width)
         self._context.disable(moderngl.BLEND | moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         triangle.render(moderngl.TRIANGLES, vertices=3)
 
@@ -154,8 +154,8 @@ def draws_in_software(context: moderngl.Context) -> bool:
     return any(name in renderer for name in ("llvmpipe", "softpipe", "swiftshader", "swrast"))
 
 
-def gains_by_looks(pane: Pane, slots: Slots) -> bool:
-    """Whether `Paint.fine` makes a difference: the shader would apply maps to averages."""
+def gains_by_supersampling(pane: Pane, slots: Slots) -> bool:
+    """Whether `Paint.supersampled` makes a difference: shown smaller, a recipe's maps are applied to averages."""
     slot = slots[pane.name]
     return "RECIPE" in slot.switches() and pane.placement.width < slot.size[0]
 

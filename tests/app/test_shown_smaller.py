@@ -20,13 +20,13 @@ def test_a_picture_shown_smaller_is_an_average(context):
     picture = some_picture(BACKDROPS["keep"])
     recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure))
     small = Placement(0, 0, 0.25, WIDTH / 4, HEIGHT / 4)
-    shown = drawn(context, recipe, small, Paint(fine=False))[:20, :17]
+    shown = drawn(context, recipe, small, Paint(supersampled=False))[:20, :17]
     averages = picture.render()[0][:80, :68].reshape(20, 4, 17, 4, 3).mean((1, 3))
     assert np.abs(shown - apply_view(averages, 0.0)).mean() < 1 / 255
 
 
 @pytest.mark.parametrize("backdrop", ["keep", "transparent", "colour"])
-def test_drawn_finely_a_picture_shown_smaller_is_the_average_of_itself_where_its_light_has_edges(context, backdrop):
+def test_supersampled_a_picture_shown_smaller_is_the_average_of_itself_where_its_light_has_edges(context, backdrop):
     rng = np.random.default_rng(5)
     picture, gain = some_picture(BACKDROPS[backdrop]), np.full((32, 32, 3), 0.1, np.float32)
     gain[:, 9:] = 0.9
@@ -44,7 +44,7 @@ def test_drawn_finely_a_picture_shown_smaller_is_the_average_of_itself_where_its
     seen = srgb_decode(apply_view(light / np.maximum(cover, 1e-6), 0.0))
     expected = srgb_encode(seen * cover + srgb_decode(ground) * (1 - cover))
     small = Placement(0, 0, 0.5, 32, 32)
-    off = {fine: np.abs(drawn(context, recipe, small, Paint(fine=fine)) - expected) * 255 for fine in (True, False)}
+    off = {on: np.abs(drawn(context, recipe, small, Paint(supersampled=on)) - expected) * 255 for on in (True, False)}
     assert off[True].max() < 1.5
     assert off[False].max() > 8
 
@@ -92,7 +92,7 @@ def test_maps_that_had_to_be_shrunk_are_averaged_the_less(context, monkeypatch):
     picture = replace(picture, matte=replace(picture.matte, level=np.ones_like(picture.matte.level)))
     recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure))
     assert recipe.catchlights.shape == (96, 24, 3)
-    shown = drawn(context, recipe, Placement(0, 0, 0.25, WIDTH / 4, HEIGHT / 4), Paint(fine=False))[:20, :17]
+    shown = drawn(context, recipe, Placement(0, 0, 0.25, WIDTH / 4, HEIGHT / 4), Paint(supersampled=False))[:20, :17]
     averages = picture.render()[0][:80, :68].reshape(20, 4, 17, 4, 3).mean((1, 3))
     assert np.abs(shown - apply_view(averages, 0.0)).max() * 255 < 16
 

@@ -1,4 +1,4 @@
-"""A viewport that the processor draws gets its clean edges once nothing follows anything any more."""
+"""A viewport that is drawn in software is supersampled once it has stopped changing."""
 
 import pytest
 
@@ -11,12 +11,12 @@ SIZE = (500, 400)
 
 @pytest.fixture
 def drawn(opened, monkeypatch):
-    """Draws frames; tells of each drawing of the viewport whether it was fine."""
+    """Draws frames; tells of each drawing of the viewport whether it was supersampled."""
     pictures, paints = opened.window.pictures, []
     panes = pictures._painter.panes
-    monkeypatch.setattr(gl_pictures, "gains_by_looks", lambda pane, slots: True)
+    monkeypatch.setattr(gl_pictures, "gains_by_supersampling", lambda pane, slots: True)
     monkeypatch.setattr(
-        pictures._painter, "panes", lambda *asked: [panes(*asked), paints.append(asked[3].fine)].clear()
+        pictures._painter, "panes", lambda *asked: [panes(*asked), paints.append(asked[3].supersampled)].clear()
     )
 
     def frames(count, size=SIZE, hurried=False, **paint):
@@ -31,7 +31,7 @@ def drawn(opened, monkeypatch):
     return frames
 
 
-def test_it_is_drawn_at_once_and_finely_after_a_moment(drawn):
+def test_it_is_drawn_at_once_and_supersampled_after_a_moment(drawn):
     assert drawn(1) == [False]
     assert drawn.pictures.is_unfinished
     assert drawn(20) == [True]
@@ -50,14 +50,14 @@ def test_a_hand_gets_none_and_what_it_leaves_does(drawn):
     assert drawn(20) == [False, True]
 
 
-@pytest.mark.parametrize(("pixels", "is_fine"), [(1_000_000, True), (1_000_001, False)])
-def test_what_would_hold_the_window_up_stays_as_it_is(drawn, monkeypatch, pixels, is_fine):
+@pytest.mark.parametrize(("pixels", "is_supersampled"), [(1_000_000, True), (1_000_001, False)])
+def test_what_would_hold_the_window_up_stays_as_it_is(drawn, monkeypatch, pixels, is_supersampled):
     monkeypatch.setattr(gl_pictures, "covered_pixels", lambda panes, size: pixels)
-    assert (True in drawn(20)) == is_fine
+    assert (True in drawn(20)) == is_supersampled
     assert not drawn.pictures.is_unfinished
 
 
-def test_a_graphics_card_draws_finely_as_soon_as_no_hand_moves_anything(drawn, monkeypatch):
+def test_a_graphics_card_supersamples_as_soon_as_no_hand_moves_anything(drawn, monkeypatch):
     monkeypatch.setattr(drawn.pictures, "_in_software", False)
     assert drawn(20, hurried=True) == [False]
     assert drawn(20) == [True]
