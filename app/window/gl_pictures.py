@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import NamedTuple
 
 import glfw
 import moderngl
@@ -41,6 +42,30 @@ _LAG_S, _BUSY_LAG_S = 0.5, 2.0
 another of them to draw already: each takes time from the picture, so there is one in a frame where that can be."""
 
 
+class _Viewport(NamedTuple):
+    """All that a viewport's canvas depends on.
+
+    Attributes:
+        size: width and height in pixels.
+        exposures_ev: of each pane's picture.
+        versions: of the photo and of each pane's picture, as of `GlPictures._versions`.
+    """
+
+    size: tuple[int, int]
+    panes: tuple[Pane, ...]
+    paint: Paint
+    exposures_ev: tuple[float, ...]
+    versions: tuple[int, ...]
+
+
+class _Thumbnail(NamedTuple):
+    """All that a thumbnail's canvas depends on: width and height in pixels, its picture's exposure and version."""
+
+    size: tuple[int, int]
+    exposure_ev: float
+    version: int
+
+
 class GlPictures:
     """Textures of the engine's newest snapshot, the viewport, and the thumbnails.
 
@@ -73,7 +98,7 @@ class GlPictures:
         self._read: tuple[str, tuple[np.ndarray, float]] | None = None
         self._followed_s: dict[str, float] = {}
         self._environment: Environment | None = None
-        self._drawn: dict[str, tuple] = {}
+        self._drawn: dict[str, _Viewport | _Thumbnail] = {}
         self._versions: dict[str, int] = {}
         self._ahead: Callable[[], None] | None = None
         self.is_ahead = False
@@ -116,8 +141,8 @@ class GlPictures:
         scale = min(1.0, side_px / max(size))
         small = (max(1, round(size[0] * scale)), max(1, round(size[1] * scale)))
         canvas, key = self._thumbnails[name], f"thumbnail {name}"
-        wanted = self._exposure_of(name), self._versions[name]
-        if not self._may_lag(key) and self._is_due(key, canvas, small, wanted):
+        wanted = _Thumbnail(small, self._exposure_of(name), self._versions[name])
+        if not self._may_lag(key) and self._is_due(key, canvas, wanted):
             self._painter.thumbnail(canvas, self._slots, name, scale, self.exposure_ev)
             self._follows_now(key)
         return _shown(canvas.texture)
@@ -136,13 +161,14 @@ class GlPictures:
             key, canvas = "coarse viewport", self._coarse_viewport
             panes, size, paint = coarser(panes, size, paint, coarseness(panes, size))
         self._seen = canvas
-        drawn, wanted = self._drawn.get(key), (panes, paint, exposures, versions)
-        part = _changing_part(drawn, size, panes)
-        may_wait = canvas is self._coarse_viewport and _differs_in_picture_alone(drawn, (size, wanted))
-        if self._is_due(key, canvas, size, wanted):
+        drawn, wanted = self._drawn.get(key), _Viewport(size, panes, paint, exposures, versions)
+        part = _changing_part(drawn, wanted)
+        may_wait = canvas is self._coarse_viewport and _differs_in_versions_alone(drawn, wanted)
+        if self._is_due(key, canvas, wanted):
             draw = partial(self._painter.panes, canvas, panes, self._slots, paint, self.exposure_ev, part)
             if may_wait:
-                self._ahead, self._drawn[key] = partial(self._draw_viewport, draw, key, self._drawn[key]), drawn
+                # Until `draw_ahead` has drawn it the canvas shows what it did.
+                self._ahead, self._drawn[key] = partial(self._draw_viewport, draw, key, wanted), drawn
             else:
                 draw()
         return _shown(canvas.texture)
@@ -176,7 +202,7 @@ class GlPictures:
             self._flush()
         return self.is_ahead
 
-    def _draw_viewport(self, draw: Callable[[], None], key: str, drawn: tuple) -> None:
+    def _draw_viewport(self, draw: Callable[[], None], key: str, drawn: _Viewport) -> None:
         draw()
         self._drawn[key] = drawn
 
@@ -262,25 +288,25 @@ class GlPictures:
     def _exposure_of(self, name: str) -> float:
         return self.exposure_ev if name == RESULT else 0.0
 
-    def _is_due(self, key: str, canvas: Canvas, size: tuple[int, int], what: object) -> bool:
-        """Whether a canvas must be drawn: it has a new size, or shows something else than this."""
-        wanted = (size, what)
-        same = not canvas.fit(size) and self._drawn.get(key) == wanted
+    def _is_due(self, key: str, canvas: Canvas, wanted: _Viewport | _Thumbnail) -> bool:
+        """Fit a canvas to what is wanted on it and note that; whether it must be drawn to show that."""
+        same = not canvas.fit(wanted.size) and self._drawn.get(key) == wanted
         self._drawn[key] = wanted
         return not same
 
 
-def _changing_part(drawn: tuple | None, size: tuple[int, int], panes: tuple[Pane, ...]) -> Part:
+def _changing_part(drawn: _Viewport | None, wanted: _Viewport) -> Part:
     """What of the viewport can look other than before: where its pictures lie, if they lay there before."""
-    if drawn is None or drawn[0] != size or drawn[1][0] != panes or not panes:
+    size, panes = wanted.size, wanted.panes
+    if drawn is None or drawn.size != size or drawn.panes != panes or not panes:
         return WHOLE
     x0, y0, x1, y1 = zip(*(covered(pane, size) for pane in panes), strict=True)
     return min(x0) / size[0], min(y0) / size[1], max(x1) / size[0], max(y1) / size[1]
 
 
-def _differs_in_picture_alone(drawn: tuple | None, wanted: tuple) -> bool:
-    """Whether two entries of what was drawn have all but the versions of their pictures in common."""
-    return drawn is not None and drawn[0] == wanted[0] and drawn[1][:3] == wanted[1][:3]
+def _differs_in_versions_alone(drawn: _Viewport | None, wanted: _Viewport) -> bool:
+    """Whether a viewport has all but the versions of its pictures in common with the one before."""
+    return drawn is not None and drawn._replace(versions=wanted.versions) == wanted
 
 
 def _shown(texture: moderngl.Texture | None) -> Shown | None:
