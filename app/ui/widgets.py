@@ -310,7 +310,7 @@ def segmented(
     in_row = min(len(choices), most_in_row or len(choices))
     room = width or imgui.get_content_region_avail().x
     widest = max((label for _, label, _ in choices), key=lambda label: imgui.calc_text_size(label).x)
-    while most_in_row is None and in_row > 1 and not share([widest] * in_row, room, spacing)[0]:
+    while most_in_row is None and in_row > 1 and not fit_in_row([widest] * in_row, room, spacing)[0]:
         in_row = (in_row + 1) // 2
     width = (room - spacing * (in_row - 1)) / in_row
     for index, (value, label, tooltip) in enumerate(choices):
@@ -332,10 +332,15 @@ def narrow_buttons() -> Iterator[None]:
     imgui.pop_style_var()
 
 
-def share(labels: Sequence[str], room: float, spacing: float) -> tuple[bool, float]:
-    """Whether equal `narrow_buttons` of these words have room in a row, and how wide each is then.
+def fit_in_row(labels: Sequence[str], room: float, spacing: float) -> tuple[bool, float]:
+    """Lay out equal `narrow_buttons`, in a row where all their labels fit, else below one another.
 
-    Where they have none they stand below one another, each as wide as the room.
+    Args:
+        room: width there is, in window units.
+        spacing: between two buttons of a row, likewise.
+
+    Returns:
+        Whether they fit in a row, and the width of each button: an equal part of the room, or all of it.
     """
     width = (room - spacing * (len(labels) - 1)) / max(1, len(labels))
     fits = all(imgui.calc_text_size(label).x + 2.0 * _NARROW_PADDING <= width for label in labels)

@@ -168,7 +168,7 @@ def _save_or_copy(state: EditorState) -> None:
         ("Copy", "copy_picture", "Put the picture on the clipboard.  Ctrl + C"),
     )
     labels = ("Export", *(label for label, _, _ in wishes))
-    in_a_row, width = widgets.share(labels, imgui.get_content_region_avail().x, _SPACING)
+    in_a_row, width = widgets.fit_in_row(labels, imgui.get_content_region_avail().x, _SPACING)
     if imgui.button("Export", imgui.ImVec2(width, 0.0)):
         state.export_wanted = state.export.form
     imgui.set_item_tooltip("Save it there at once.  E")
@@ -194,9 +194,9 @@ def _wish_either(state: EditorState, title: str, *choices: tuple[str, str, str])
     imgui.align_text_to_frame_padding()
     imgui.text_disabled(title)
     beside = imgui.calc_text_size(title).x + imgui.get_style().item_spacing.x
-    if widgets.share(labels, imgui.get_content_region_avail().x - beside, _SPACING)[0]:
+    if widgets.fit_in_row(labels, imgui.get_content_region_avail().x - beside, _SPACING)[0]:
         imgui.same_line()
-    in_a_row, width = widgets.share(labels, imgui.get_content_region_avail().x, _SPACING)
+    in_a_row, width = widgets.fit_in_row(labels, imgui.get_content_region_avail().x, _SPACING)
     for index, choice in enumerate(choices):
         if index and in_a_row:
             imgui.same_line(0.0, _SPACING)

@@ -80,7 +80,7 @@ def _aim_tools(state: EditorState) -> None:
         imgui.text_disabled(_ON_THE_FACE)
         imgui.same_line()
     room = imgui.get_content_region_avail().x
-    in_a_row, width = widgets.share([label for _, label, _ in _AIMS], room, _SPACING)
+    in_a_row, width = widgets.fit_in_row([label for _, label, _ in _AIMS], room, _SPACING)
     for index, (aim, label, tooltip) in enumerate(_AIMS):
         if index and in_a_row:
             imgui.same_line(0.0, _SPACING)
@@ -106,7 +106,7 @@ def _lamp_tools(state: EditorState) -> None:
     if in_a_row:
         widths[0] = room - sum(widths[1:]) - _SPACING * len(words)
     else:
-        beside, width = widgets.share(words, room, _SPACING)
+        beside, width = widgets.fit_in_row(words, room, _SPACING)
         widths = [room] + [width] * len(words)
     if imgui.button(_ADD, imgui.ImVec2(widths[0], 0.0)):
         add_next_box(state)
