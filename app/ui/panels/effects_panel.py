@@ -10,19 +10,24 @@ from app.ui import brush_edits, face_edits, theme, widgets
 from app.ui.panels import export_panel, history_panel, quality_panel
 from app.ui.panels.groups import SPACING_EM, Tool, group, tool_button, tool_width
 from app.ui.state import EditorState
-from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.edit import EDIT_RANGES, Edit
 
-SHADOW = widgets.Slider(
-    "Shadow", 0.0, 2.0, 1.0, "%.2f", "Deepens or lifts the shadows the light casts; 0 removes them."
+
+def _slider(field: str, label: str, form: str, words: str) -> widgets.Slider:
+    """A slider over all that a field of an Edit may be, which a double click brings back to the field's default."""
+    return widgets.Slider(label, *EDIT_RANGES[field], getattr(Edit(), field), form, words)
+
+
+SHADOW = _slider("shadow", "Shadow", "%.2f", "Deepens or lifts the shadows the light casts; 0 removes them.")
+SPECULAR = _slider("specular", "Specular", "%.2f", "Strengthens or mattes the shine on the skin; 0 removes it.")
+SOFTNESS = _slider(
+    "shadow_softness",
+    "Shadow softness",
+    "%.2f",
+    "Softens the edges of the shadows, as a larger lamp would; 0 leaves them.",
 )
-SPECULAR = widgets.Slider(
-    "Specular", 0.0, 2.0, 1.0, "%.2f", "Strengthens or mattes the shine on the skin; 0 removes it."
-)
-SOFTNESS = widgets.Slider(
-    "Shadow softness", 0.0, 1.0, 0.0, "%.2f", "Softens the edges of the shadows, as a larger lamp would; 0 leaves them."
-)
-TINT = widgets.Slider(
-    "Specular tint", -1.0, 1.0, 0.0, "%+.2f", "Colour of the shine: left is cool, right is warm; 0 is the light's own."
+TINT = _slider(
+    "specular_tint", "Specular tint", "%+.2f", "Colour of the shine: left is cool, right is warm; 0 is the light's own."
 )
 STRENGTH = widgets.Slider(
     "Strength", 0.0, 1.0, 1.0, "%.2f", "Mixes the new light with the photo's own; 0 leaves the person as photographed."
@@ -34,8 +39,8 @@ BACKGROUNDS = (
     ("light", "Light", "Show what the light looks like behind the person."),
     ("transparent", "None", "Cut the person out: a transparent background."),
 )
-BACKGROUND_BLUR = widgets.Slider(
-    "Background blur", 0.0, 20.0, 1.0, "%.1f°", "How far out of focus the light behind the person is."
+BACKGROUND_BLUR = _slider(
+    "background_blur_deg", "Background blur", "%.1f°", "How far out of focus the light behind the person is."
 )
 COLOUR = "Background colour"
 _FACES_IN_ROW = 7

@@ -11,11 +11,18 @@ from app.ui import light_edits, theme, widgets
 from app.ui.panels.groups import Tool, group, tools_beside
 from app.ui.panels.panorama import add_next_box
 from app.ui.state import EditorState
+from relight_core.lighting.light_edit import LIGHT_EDIT_RANGES, LightEdit
 from relight_core.lighting.soft_box import SOFT_BOX_RANGES, SoftBox, box_title
 from relight_core.lighting.summary import metered_level_ev
 
 _AT_REST = SoftBox()
 """What a double click brings the sliders of a soft box back to."""
+
+
+def _light_slider(field: str, label: str, form: str, words: str) -> widgets.Slider:
+    """A slider over all that a field of a LightEdit may be, which a double click brings back to the field's default."""
+    return widgets.Slider(label, *LIGHT_EDIT_RANGES[field], getattr(LightEdit(), field), form, words)
+
 
 BOX = {
     "intensity": widgets.Slider(
@@ -27,7 +34,11 @@ BOX = {
         "How strong this lamp is; 1 is as strong as the light's brightest side.",
     ),
     "softness": widgets.Slider(
-        "Soft edge", 0.0, 1.0, _AT_REST.softness, "%.2f", "0 has a crisp edge, 1 fades from the middle out."
+        "Soft edge",
+        *SOFT_BOX_RANGES["softness"],
+        _AT_REST.softness,
+        "%.2f",
+        "0 has a crisp edge, 1 fades from the middle out.",
     ),
     "kelvin": widgets.Slider(
         "Colour", 2000.0, 12000.0, _AT_REST.kelvin, "%.0f K", "From candle to blue sky; 5600 is daylight."
@@ -35,12 +46,12 @@ BOX = {
 }
 LIGHT = {
     "level_ev": widgets.Slider("Level", -4.0, 4.0, 0.0, "%+.2f EV", "Brightens or dims the whole light, in stops."),
-    "base": widgets.Slider(
-        "Room", 0.0, 2.0, 1.0, "%.2f", "How much of the light stays besides your soft boxes; 0 leaves only them."
+    "base": _light_slider(
+        "base", "Room", "%.2f", "How much of the light stays besides your soft boxes; 0 leaves only them."
     ),
-    "saturation": widgets.Slider("Saturation", 0.0, 2.0, 1.0, "%.2f", "How colourful the light is; 0 is grey."),
-    "warmth": widgets.Slider("Warmth", -1.0, 1.0, 0.0, "%+.2f", "Left is cool and blue, right is warm like a bulb."),
-    "tint": widgets.Slider("Tint", -1.0, 1.0, 0.0, "%+.2f", "Left is greenish, right is pinkish."),
+    "saturation": _light_slider("saturation", "Saturation", "%.2f", "How colourful the light is; 0 is grey."),
+    "warmth": _light_slider("warmth", "Warmth", "%+.2f", "Left is cool and blue, right is warm like a bulb."),
+    "tint": _light_slider("tint", "Tint", "%+.2f", "Left is greenish, right is pinkish."),
     "blur_deg": widgets.Slider(
         "Blur", 0.0, 60.0, 0.0, "%.0f°", "Spreads the light as a diffuser does: softer shadows, wider highlights."
     ),
@@ -50,7 +61,7 @@ SHAPES = (
     ("disc", "Round", "A beauty dish, an umbrella, a bulb, a ring light."),
 )
 HOLE = widgets.Slider(
-    "Hole", *SOFT_BOX_RANGES["hole"], 0.0, "%.2f", "How much of it is dark in the middle, as of a ring light."
+    "Hole", *SOFT_BOX_RANGES["hole"], _AT_REST.hole, "%.2f", "How much of it is dark in the middle, as of a ring light."
 )
 GEL, GEL_WORDS = "Coloured gel", "A coloured gel in front of this lamp."
 RESET_WORDS = "Puts level, colour and blur of the light back."
