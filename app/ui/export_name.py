@@ -7,35 +7,37 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.engine.exporting import default_export_path
+from app.engine.exporting import FORMS, default_export_path
 from app.engine.places import from_home
 from app.engine.sources import PhotoSource
 
 if TYPE_CHECKING:
     from app.ui.state import EditorState
 
-_ALIKE = ((".png",), (".exr",), (".jpg", ".jpeg"), (".tif", ".tiff"))
-"""The suffixes of each kind of picture, the one of app.engine.exporting.FORMS first."""
+_OTHER_SPELLINGS = {".jpg": (".jpeg",), ".tif": (".tiff",)}
+_SPELLINGS = tuple((form, *_OTHER_SPELLINGS.get(form, ())) for form in FORMS)
+"""All suffixes of each kind of picture, the one of FORMS first."""
 
 _SLASHES = ("/", os.sep)
 
 
 def form_named(name: Path | str) -> str | None:
-    """The kind of picture, of app.engine.exporting.FORMS, that a name says by its suffix, if it does; no folder's."""
+    """The kind of picture, one of FORMS, that a file's name says by its suffix; None where it says none."""
     suffix = os.path.splitext(name)[1].lower()
-    return next((alike[0] for alike in _ALIKE if suffix in alike), None)
+    return next((spellings[0] for spellings in _SPELLINGS if suffix in spellings), None)
 
 
 def named_as(path: Path, suffix: str) -> Path:
-    """The path as the name of a kind of file, "me.relight.json" being one of ".json".
+    """The path with a suffix of a kind of file, such as ".png" or ".relight.json", whose kind is ".json".
 
-    A name that says so stays as it is, of another kind of picture it is this one's; else the suffix is added.
+    A path that has such a suffix stays as it is, in any spelling. The suffix of one kind of picture is replaced by that
+    of another; otherwise the suffix is added to the name.
     """
     own, kind = path.suffix.lower(), Path("any" + suffix).suffix
-    alike = next((group for group in _ALIKE if kind in group), (kind,))
-    if own in alike:
+    spellings = next((group for group in _SPELLINGS if kind in group), (kind,))
+    if own in spellings:
         return path
-    are_pictures = all(any(one in group for group in _ALIKE) for one in (own, kind))
+    are_pictures = all(form_named(f"any{one}") is not None for one in (own, kind))
     return path.with_suffix(suffix) if are_pictures else path.with_name(path.name + suffix)
 
 

@@ -20,7 +20,7 @@ def export_actions(state: EditorState) -> tuple[Action, ...]:
     """One for each choice of the export panel that the chosen kind of file has, in its order."""
     form = state.export.form
     return (
-        *(_form(*choice) for choice in export_panel.FORMS),
+        *(_form(*choice) for choice in export_panel.FORM_CHOICES),
         *(_depth(*choice) for choice in export_panel.depths(form)),
         *([_type("Set the JPEG's quality", export_panel.QUALITY, "From 50 to 100")] if form == ".jpg" else []),
         *(_size(side) for side in SIDES),

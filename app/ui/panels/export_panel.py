@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from imgui_bundle import imgui
 
-from app.engine.exporting import SIDES, ExportSettings
+from app.engine.exporting import FORMS, SIDES, ExportSettings
 from app.ui import theme, widgets
 from app.ui.export_name import choose_form, export_place, form_named, take_named_form
 from app.ui.panels.groups import group
@@ -14,12 +14,15 @@ from app.ui.state import EditorState
 from relight_core.imaging.files import legible
 from relight_core.pipeline.results.layers import LAYERS
 
-FORMS = (
-    (".png", "PNG", "Lossless, for everything. Keeps transparency."),
-    (".jpg", "JPEG", "Small, for sharing. No transparency."),
-    (".tif", "TIFF", "Lossless, for print and other editors."),
-    (".exr", "EXR", "Linear radiance and the channels as layers, for compositing."),
-)
+_FORM_WORDS = {
+    ".png": ("PNG", "Lossless, for everything. Keeps transparency."),
+    ".jpg": ("JPEG", "Small, for sharing. No transparency."),
+    ".tif": ("TIFF", "Lossless, for print and other editors."),
+    ".exr": ("EXR", "Linear radiance and the channels as layers, for compositing."),
+}
+FORM_CHOICES = tuple((form, *_FORM_WORDS[form]) for form in FORMS)
+"""Suffix, label and tooltip of each kind of picture."""
+
 QUALITY, NAME = "Export quality", "Export name"
 """What can be typed in here, as of `widgets.begin_typing`."""
 
@@ -43,11 +46,11 @@ LAYER_WORDS = {
 
 def draw(state: EditorState, fonts: theme.Fonts) -> None:
     """The group's contents, inside its panel."""
-    kind = next(label for suffix, label, _ in FORMS if suffix == state.export.form)
+    kind = next(label for suffix, label, _ in FORM_CHOICES if suffix == state.export.form)
     if not group(state, fonts, "export", "Export", kind)[0]:
         return
     imgui.begin_disabled(state.snapshot.picture is None)
-    form = widgets.segmented(FORMS, state.export.form)
+    form = widgets.segmented(FORM_CHOICES, state.export.form)
     if form != state.export.form:
         choose_form(state, form)
     _depth_and_size(state)
