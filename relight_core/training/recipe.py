@@ -139,15 +139,26 @@ def _networks(data: dict[str, dict[str, Any]]) -> BundleConfig:
         for entry, value in _table(settings, f"networks.{name}").items():
             if entry not in known:
                 raise ValueError(f"networks.{name}: unknown entry {entry!r}")
-            usual = getattr(before, entry)
-            parts, kind = (value, int) if isinstance(usual, tuple) and type(value) is list else ([value], type(usual))
-            least = 1 if entry in _AT_LEAST_ONE else 0
-            if any(type(part) is not kind or (kind is int and part < least) for part in parts):
-                raise ValueError(f"networks.{name}: {entry} can't be {value!r}")
-            if entry in _ALL_OR_NONE and value not in (0, len(CLASSES)):
-                raise ValueError(f"networks.{name}: {entry} can't be {value}; write {len(CLASSES)}, or 0 for none")
+            _check_network_entry(name, entry, value, getattr(before, entry))
         config = replace(config, **{name: replace(before, **settings)})
     return config
+
+
+def _check_network_entry(network: str, entry: str, value: Any, default: Any) -> None:
+    """Raise ValueError for a value of another type than the entry's default, or out of range.
+
+    Entries whose default is a tuple of whole numbers are lists in TOML.
+    """
+    if isinstance(default, tuple) and type(value) is list:
+        numbers, kind = value, int
+    else:
+        numbers, kind = [value], type(default)
+    least = 1 if entry in _AT_LEAST_ONE else 0
+    # Not isinstance, for which True is a whole number.
+    if any(type(number) is not kind or (kind is int and number < least) for number in numbers):
+        raise ValueError(f"networks.{network}: {entry} can't be {value!r}")
+    if entry in _ALL_OR_NONE and value not in (0, len(CLASSES)):
+        raise ValueError(f"networks.{network}: {entry} can't be {value}; write {len(CLASSES)}, or 0 for none")
 
 
 def _table(value: Any, name: str) -> dict[str, Any]:
