@@ -40,6 +40,7 @@ from relight_core.training.loader_worker import begin_worker
 from relight_core.training.loop import Budget, train_stage
 from relight_core.training.replay import Replay, replayed
 from relight_core.training.stages import STAGES, Stage
+from relight_core.training.state import Progress
 
 Batches = Callable[[int], Iterator[dict[str, torch.Tensor]]]
 
@@ -101,12 +102,12 @@ class Run:
     config: BundleConfig = BundleConfig()
 
 
-def train(run: Run, report) -> NetworkBundle:
+def train(run: Run, report: Callable[[float, Progress], None]) -> NetworkBundle:
     """Run a stage; see `loop.train_stage` for `report` and what is raised.
 
     Raises:
-        InputError: nobody has taught the networks that a stage learns from, its samples are not pairs that could
-            be used again, or its network takes no photos of that size.
+        InputError: a stage that learns from trained networks is given none; samples that are not pairs of lights are
+            to be used more than once; or the stage's network takes no photos of that size.
     """
     torch.manual_seed(run.seed)
     stage = STAGES[run.stage]
@@ -114,18 +115,7 @@ def train(run: Run, report) -> NetworkBundle:
         raise InputError(f"{run.stage} learns from trained networks: give their weights to start from, after --start")
     if stage.samples != "pairs" and run.uses > 1:
         raise InputError(f"{run.stage}: its samples are used once each; only pairs of lights can be used again")
-    bundle = load_bundle(run.start) if run.start else NetworkBundle(run.config)
-    if run.detail_width and bundle.delight.detail is None:
-        bundle = with_detail_pass(bundle, run.detail_width)
-    if run.residual or run.decoder_residual:
-        bundle = with_residual_blocks(bundle, run.residual, run.decoder_residual, settled=stage.settled)
-    if stage.distilled:
-        bundle = with_narrow_width(bundle, _narrow_width(run, bundle))
-    if stage.samples == "gobos" and bundle.foreign_shadow is None:
-        network = ForeignShadowNetwork(run.config.foreign_shadow or ForeignShadowConfig())
-        bundle = with_foreign_shadow_network(bundle, network)
-    if stage.samples == "outlines" and bundle.person is None:
-        bundle = with_person_network(bundle, PersonNetwork(run.config.person or PersonConfig()))
+    bundle = _networks_to_train(run, stage)
     if stage.samples != "pairs":
         _check_photos(run, bundle.person if stage.samples == "outlines" else bundle.foreign_shadow)
     budget = Budget(
@@ -141,6 +131,23 @@ def train(run: Run, report) -> NetworkBundle:
     batches = _example_batches(run, stage, bundle, device) if stage.distilled else samples
     with denormals_flushed(), batches as batches_from:
         return train_stage(stage, bundle, batches_from, budget, run.checkpoint, report, device, _begun_with(run, stage))
+
+
+def _networks_to_train(run: Run, stage: Stage) -> NetworkBundle:
+    """The networks that a run starts from, with what the run asks to be added and what its stage trains."""
+    bundle = load_bundle(run.start) if run.start else NetworkBundle(run.config)
+    if run.detail_width and bundle.delight.detail is None:
+        bundle = with_detail_pass(bundle, run.detail_width)
+    if run.residual or run.decoder_residual:
+        bundle = with_residual_blocks(bundle, run.residual, run.decoder_residual, settled=stage.settled)
+    if stage.distilled:
+        bundle = with_narrow_width(bundle, _narrow_width(run, bundle))
+    if stage.samples == "gobos" and bundle.foreign_shadow is None:
+        network = ForeignShadowNetwork(run.config.foreign_shadow or ForeignShadowConfig())
+        bundle = with_foreign_shadow_network(bundle, network)
+    if stage.samples == "outlines" and bundle.person is None:
+        bundle = with_person_network(bundle, PersonNetwork(run.config.person or PersonConfig()))
+    return bundle
 
 
 def _check_photos(run: Run, network: FoldedUNet) -> None:
