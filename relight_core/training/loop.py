@@ -25,7 +25,7 @@ from relight_core.training.optimiser import Optimiser
 from relight_core.training.sheet import draw_samples
 from relight_core.training.stages import Stage
 from relight_core.training.state import Progress, State, load_state, make_state
-from relight_core.training.step import RecordedStep, Step
+from relight_core.training.step import Batch, RecordedStep, Step
 
 _MOST_SKIPPED_IN_A_ROW = 20
 _DECAY, _AVERAGED_EVERY = 0.998, 4
@@ -109,7 +109,7 @@ class AveragedWeights:
 def train_stage(
     stage: Stage,
     bundle: NetworkBundle,
-    batches_from: Callable[[int], Iterator[dict[str, torch.Tensor]]],
+    batches_from: Callable[[int], Iterator[Batch]],
     budget: Budget,
     checkpoint: Path,
     report: Callable[[float, Progress], None],
@@ -126,8 +126,8 @@ def train_stage(
         batches_from: gives the batches from a number on.
         checkpoint: where the averaged weights go. The run's whole state lies beside them until it ends.
         report: called every 50 steps with the fraction of the budget spent and the progress, and with 1 at the end.
-        drawn_by: what decides which batches come and from which weights it begins, by name; a run that goes on has to
-            be given the same.
+        drawn_by: by name, what decides which batches come and which weights the run starts from. A run that is resumed
+            has to be given the same.
 
     Returns:
         The averaged weights, also saved at `checkpoint` (fp32) with a log beside it.
@@ -140,12 +140,20 @@ def train_stage(
     _prepare(stage, bundle, device)
     recorded = device == "cuda" and stage.recordable
     with _only_run(checkpoint), _stream_of_its_own() if recorded else nullcontext():
-        kind = RecordedStep if recorded else Step
-        return _trained(kind, stage, bundle, batches_from, budget, checkpoint, report, device, drawn_by or {})
+        step = RecordedStep if recorded else Step
+        return _trained(step, stage, bundle, batches_from, budget, checkpoint, report, device, drawn_by or {})
 
 
 def _trained(
-    kind: type[Step], stage, bundle, batches_from, budget, checkpoint, report, device, drawn_by
+    step_class: type[Step],
+    stage: Stage,
+    bundle: NetworkBundle,
+    batches_from: Callable[[int], Iterator[Batch]],
+    budget: Budget,
+    checkpoint: Path,
+    report: Callable[[float, Progress], None],
+    device: str,
+    drawn_by: Mapping[str, int | str],
 ) -> NetworkBundle:
     optimiser = Optimiser(bundle, budget.learning_rate)
     table, average = ReflectionTable().to(device), AveragedWeights(bundle)
@@ -154,10 +162,10 @@ def _trained(
     if saved_state.exists():
         progress = load_state(saved_state, settings, bundle, average.state, optimiser)
     batches = _prepared(stage, bundle, table, batches_from(progress.step), device)
-    step = kind(stage, bundle, table, optimiser, device)
-    kept = _Checkpoints(checkpoint, settings, budget.checkpoint_seconds)
+    step = step_class(stage, bundle, table, optimiser, device)
+    checkpoints = _Checkpoints(checkpoint, settings, budget.checkpoint_seconds)
     started, batch, ready = time.monotonic() - progress.seconds, None, None
-    # Not to end on weights that the last batches could not be learnt with.
+    # While batches are being skipped the run goes on beyond its budget: their weights may be of no use.
     while (elapsed := min(budget.spent(progress.step, progress.seconds), 1.0)) < 1 or progress.in_a_row:
         optimiser.set_learning_rate(budget.rate(progress.step, elapsed))
         batch, ready = next(batches)
@@ -169,7 +177,7 @@ def _trained(
         if progress.step % 50 == 0:
             report(elapsed, progress)
             progress.note(elapsed)
-        kept.after_step(progress, bundle, average, optimiser, batch)
+        checkpoints.after_step(progress, bundle, average, optimiser, batch)
     report(1.0, progress)
     progress.note(1.0)
     average.catch_up(bundle, progress.step)
@@ -179,8 +187,11 @@ def _trained(
 
 
 @torch.no_grad()
-def _is_sound(stage: Stage, result: NetworkBundle, table: ReflectionTable, ready: dict, device: str) -> bool:
-    """Whether the losses of what a run ends with are finite, as it will be used: no batch after the last step tells."""
+def _is_sound(stage: Stage, result: NetworkBundle, table: ReflectionTable, ready: Batch, device: str) -> bool:
+    """Whether a run's result, in evaluation mode as it will be used, gives finite losses.
+
+    During training the next batch shows what a step has done; after the last step there is none.
+    """
     result.eval().to(device, memory_format=torch.channels_last)
     with mixed_precision(device):
         losses = stage.losses(result, table, ready)
@@ -196,9 +207,11 @@ class _Checkpoints:
     def __init__(self, checkpoint: Path, settings: dict[str, str | int], every_s: float):
         self._checkpoint, self._settings, self._every_s = checkpoint, settings, every_s
         self._taken_s = time.monotonic()
-        self._waiting: tuple[State, NetworkBundle, dict] | None = None
+        self._waiting: tuple[State, NetworkBundle, Batch] | None = None
 
-    def after_step(self, progress: Progress, bundle, average: AveragedWeights, optimiser: Optimiser, batch) -> None:
+    def after_step(
+        self, progress: Progress, bundle: NetworkBundle, average: AveragedWeights, optimiser: Optimiser, batch: Batch
+    ) -> None:
         """Write or drop what waits for this step's outcome, and take a copy of where the run stands when one is due."""
         waiting, self._waiting = self._waiting, None
         if progress.in_a_row:
@@ -212,19 +225,21 @@ class _Checkpoints:
             if state is not None:
                 self._waiting = state, average.bundle(bundle), batch
 
-    def _state_if_due(self, progress: Progress, bundle, average: AveragedWeights, optimiser: Optimiser) -> State | None:
+    def _state_if_due(
+        self, progress: Progress, bundle: NetworkBundle, average: AveragedWeights, optimiser: Optimiser
+    ) -> State | None:
         if time.monotonic() - self._taken_s <= self._every_s:
             return None
         self._taken_s = time.monotonic()
         return make_state(self._settings, progress, bundle, average.state, optimiser)
 
-    def _write(self, state: State, averaged: NetworkBundle, batch: dict[str, torch.Tensor]) -> None:
+    def _write(self, state: State, averaged: NetworkBundle, batch: Batch) -> None:
         # The state first: weights without a state beside them are those of a run that has ended.
         state.write(state_path(self._checkpoint))
         _save(self._checkpoint, averaged, batch)
 
 
-def _ended(checkpoint: Path, result: NetworkBundle, progress: Progress, batch: dict | None) -> NetworkBundle:
+def _ended(checkpoint: Path, result: NetworkBundle, progress: Progress, batch: Batch | None) -> NetworkBundle:
     """The result of a run, with its log beside it and no state any more."""
     _save(checkpoint, result, batch)
     with whole_file(_log_path(checkpoint)) as log:
@@ -233,7 +248,7 @@ def _ended(checkpoint: Path, result: NetworkBundle, progress: Progress, batch: d
     return result
 
 
-def _save(checkpoint: Path, bundle: NetworkBundle, batch: dict[str, torch.Tensor] | None) -> None:
+def _save(checkpoint: Path, bundle: NetworkBundle, batch: Batch | None) -> None:
     """The weights, and a look at what they do with the last batch."""
     save_bundle(checkpoint, bundle, half=False)
     if batch is not None and isinstance(bundle, NetworkBundle):
@@ -316,10 +331,12 @@ def _settle(network: nn.Module) -> None:
             part.eval()
 
 
-def _prepared(stage, bundle, table, batches, device) -> Iterator[tuple[dict, dict]]:
+def _prepared(
+    stage: Stage, bundle: NetworkBundle, table: ReflectionTable, batches: Iterator[Batch], device: str
+) -> Iterator[tuple[Batch, Batch]]:
     """Every batch as it came, and on its device as the stage learns from it."""
 
-    def on_device(batch: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
+    def on_device(batch: Batch) -> Batch:
         return {name: value.to(device, non_blocking=True) for name, value in batch.items()}
 
     if stage.prepare is None:
