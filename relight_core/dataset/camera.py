@@ -1,4 +1,4 @@
-"""What a camera makes of a lit head: exposure, white balance, tone, clipping, noise, blur, JPEG."""
+"""A simulated camera: exposure, white balance, lens blur, noise, clipping, tone curve, JPEG."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ import cv2
 import numpy as np
 
 from relight_core.dataset.painting.texture import TexturePool
-from relight_core.dataset.surroundings import Neighbour, behind
+from relight_core.dataset.surroundings import Neighbour, with_neighbour
 from relight_core.lighting.panorama import mean_radiance
 
-_METERED_GREY, _METERED_WHITE = 0.28, 0.8
+_METERED_SUBJECT, _METERED_WHITE = 0.28, 0.8
+"""Linear values at which a meter exposes the subject, and a white surface."""
 
 
 def photograph(
@@ -27,69 +28,77 @@ def photograph(
     Args:
         radiance: (S, S, 3) float32 linear, premultiplied: 0 outside the head.
         coverage: (S, S) in [0, 1], how much of each pixel is the head; or bool.
-        light: (16, 32, 3) the light it is lit by, for the white balance.
-        white_level: mean radiance that a white head would have in its place, for the exposure.
-        hidden: (S, S) bool where something stands between the camera and the head.
-        neighbour: somebody before the background, in a light of their own.
+        light: (16, 32, 3) linear radiance of the light on the head, which decides the white balance.
+        white_level: mean radiance that a white head would have in its place, which decides the exposure.
+        hidden: (S, S) bool, where something stands between the camera and the head.
+        neighbour: another person in front of the background, under a light of their own.
 
     Returns:
         (S, S, 3) float32 sRGB in [0, 1].
     """
     gain = camera_gain(radiance, coverage > 0.5, light, white_level, rng)
-    background = behind(sample_background(len(radiance), pool, rng), neighbour, gain)
+    background = with_neighbour(sample_background(len(radiance), pool, rng), neighbour, gain)
     image = radiance * gain + background * (1 - coverage.astype(np.float32)[..., None])
     if hidden is not None:
         image = np.where(hidden[..., None], sample_background(len(image), pool, rng) * 0.5, image)
-    return taken(image, rng)
+    return through_camera(image, rng)
 
 
 def camera_gain(
     radiance: np.ndarray, covered: np.ndarray, light: np.ndarray, white_level: float, rng: np.random.Generator
 ) -> np.ndarray:
-    """White balance times exposure, (3,): what a camera multiplies radiance by; arguments as of `photograph`."""
+    """White balance times exposure, (3,) float: what a camera multiplies linear radiance by.
+
+    Args:
+        covered: (S, S) bool, the head; the other arguments are those of `photograph`.
+    """
     return _white_balance(light, rng) * _exposure_gain(radiance, covered, white_level, rng)
 
 
-def taken(image: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """What lens, sensor and development make of an exposed picture: linear (S, S, 3) to sRGB in [0, 1]."""
+def through_camera(image: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Lens, sensor and development of an exposed picture: linear (S, S, 3) to float32 sRGB in [0, 1]."""
     return _develop(_sensor(_lens(image, rng), rng), rng)
 
 
 def _white_balance(light: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Cameras neutralise part of the light's colour, by what fraction is anyone's guess."""
+    """Gains (3,) of mean 1 that neutralise a random fraction of the light's colour, as cameras do."""
     colour = mean_radiance(light) + 1e-4
     balance = (colour.mean() / colour) ** rng.uniform(0.0, 1.0) * np.exp(rng.normal(0, 0.04, 3))
     return (balance / balance.mean()).astype(np.float32)
 
 
 def metered_gain(radiance: np.ndarray, covered: np.ndarray, white_level: float, subject_share: float) -> float:
-    """The exposure of a metered photo, between metering the light and metering the subject.
+    """The gain of a metered exposure, between metering the light and metering the subject.
 
-    Metering the subject alone would show dark and pale skin equally bright, and nobody could tell them
-    apart again; metering the light alone would make albedo plain to see, which no camera does.
+    Metering the subject alone would expose dark and pale skin to the same brightness, so that no network could tell
+    them apart; metering the light alone would reveal the albedo, which no camera does.
 
     Args:
         radiance: (S, S, 3) linear.
         covered: (S, S) bool, the head.
         white_level: mean radiance that a white head would have in its place.
-        subject_share: 0 brings white to 0.8, 1 the subject's grey (half mean, half 80th percentile) to 0.28, between
-            them the logarithms of these gains are mixed.
+        subject_share: 0 exposes white to 0.8. 1 exposes the subject to 0.28, taken as half the mean and half the 80th
+            percentile of its pixels' mean over the channels. Between them the gains are mixed by their logarithms.
     """
-    grey = radiance[covered].mean(-1) if covered.any() else np.ones(1)
-    subject = 0.5 * float(np.mean(grey)) + 0.5 * float(np.percentile(grey, 80))
-    by_subject = _METERED_GREY / max(subject, 1e-3)
+    channel_mean = radiance[covered].mean(-1) if covered.any() else np.ones(1)
+    subject = 0.5 * float(np.mean(channel_mean)) + 0.5 * float(np.percentile(channel_mean, 80))
+    by_subject = _METERED_SUBJECT / max(subject, 1e-3)
     by_light = _METERED_WHITE / max(white_level, 1e-3)
     return by_subject**subject_share * by_light ** (1 - subject_share)
 
 
 def _exposure_gain(radiance: np.ndarray, covered: np.ndarray, white_level: float, rng: np.random.Generator) -> float:
-    """Somehow metered, and over- or under-exposed by half a stop or so."""
+    """A random metering, over- or under-exposed by 0.4 stops of standard deviation; within [0.05, 20]."""
     gain = metered_gain(radiance, covered, white_level, rng.uniform(0.0, 0.6)) * 2 ** rng.normal(0, 0.4)
     return float(np.clip(gain, 0.05, 20))
 
 
 def sample_background(size: int, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
-    """Black, one colour or a picture, linear (S, S, 3), as bright as exposed."""
+    """A random background: black, one colour, or a picture, mostly blurred.
+
+    Returns:
+        (S, S, 3) float32 linear, already exposed.
+    """
     chance = rng.random()
     if chance < 0.15:
         return np.zeros((size, size, 3), np.float32)
@@ -120,13 +129,13 @@ def _sensor(image: np.ndarray, rng: np.random.Generator) -> np.ndarray:
 
 
 def _develop(image: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """sRGB with a contrast curve, some saturation, and JPEG."""
+    """Linear (S, S, 3) to float32 sRGB, at random with a contrast curve and saturation, and with JPEG's artefacts."""
     encoded = np.where(image <= 0.0031308, 12.92 * image, 1.055 * np.maximum(image, 1e-8) ** (1 / 2.4) - 0.055)
     if rng.random() < 0.6:
         contrast = rng.uniform(-0.15, 0.35)
         encoded = encoded + contrast * (encoded * encoded * (3 - 2 * encoded) - encoded)
-        grey = encoded.mean(-1, keepdims=True)
-        encoded = np.clip(grey + (encoded - grey) * rng.uniform(0.75, 1.25), 0, 1)
+        channel_mean = encoded.mean(-1, keepdims=True)
+        encoded = np.clip(channel_mean + (encoded - channel_mean) * rng.uniform(0.75, 1.25), 0, 1)
     if rng.random() < 0.5:
         bytes_bgr = np.round(encoded[..., ::-1] * 255).astype(np.uint8)
         _, packed = cv2.imencode(".jpg", bytes_bgr, [cv2.IMWRITE_JPEG_QUALITY, int(rng.integers(45, 98))])

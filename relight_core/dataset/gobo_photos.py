@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import torch
 
-from relight_core.dataset.camera import camera_gain, sample_background, taken
+from relight_core.dataset.camera import camera_gain, sample_background, through_camera
 from relight_core.dataset.lighting.appearance import appear
 from relight_core.dataset.lighting.gobos import sample_gobo
 from relight_core.dataset.lighting.lights import sample_network_lights
@@ -119,7 +119,7 @@ def _photographed(
     if shadowed and rng.random() < _BEHIND_SHARE:
         behind = behind * (passes + (1 - passes) * np.float32(rng.uniform(_DEEPEST, _FAINTEST)))
     outside = behind * (1 - coverage[..., None])
-    photo = taken((shaded * gain + outside).astype(np.float32), rng)
+    photo = through_camera((shaded * gain + outside).astype(np.float32), rng)
     recorded = [torch.from_numpy(np.clip(image * gain + outside, 0, 1)).float() for image in (shaded, open_)]
     covered = torch.from_numpy(channels["covered"])[..., None]
     foreign = log_ratios(*recorded)

@@ -45,7 +45,7 @@ _LOCALLY_LIT_SHARE, _ACCOMPANIED_SHARE = 0.2, 0.2
 
 
 class Draw(IntEnum):
-    """What is drawn at random, each from streams of its own."""
+    """What is random about samples: each kind of draw has random streams of its own."""
 
     TEXTURES = 1
     HEADS = 2
@@ -69,23 +69,23 @@ class SampleStream(IterableDataset):
     Each item is a dict of tensors: "photo_srgb" (2, 3, S, S), "image", "specular", "shadow", ... with a
     leading axis of two lights; "albedo", "normal", "relief", "label", "covered" without one.
 
-    Lighting a head is the slow part, so each is painted and photographed many times. Samples of one head in a row
-    would pull all steps the same way: many heads are lit at a time and take turns, and one after the other gives way
-    to the next. Every item is drawn from a random stream of its own, so that training can go on at any batch as if
-    it had never stopped.
+    Lighting a head is the slow part, so each lit head is painted and photographed many times. Many samples of one head
+    in a row would bias the gradient steps toward it, so many lit heads are held at once and take turns, and the oldest
+    is replaced by the next. Every item is drawn from a random stream of its own, so that training can be resumed at any
+    batch as if it had never stopped.
 
     Args:
         folder: baked shards, the heads that are there when the stream starts, and painted skins if there are any.
         size: side of the images; the shards' own size or a divisor of it.
         photographs: also take photos (de-lighting needs them, the other networks do not).
         relief_shadow: also march a relief as rough as a predicted one ("relief_shadow", a hint to SS).
-        plain: smooth skin, the reference gloss, nothing in front and nothing warped, to measure what the rest is
-            worth.
-        lights_per_head: of which a sample takes two.
-        paints_per_head: samples of a lit head, in the mean.
-        heads_at_once: lit heads that take turns, shared among the loader's workers; a worker never has fewer than a
-            batch has pairs.
-        first_batch, pairs: go on at this batch of so many pairs (the loader's batch size).
+        plain: smooth skin, the reference gloss, no occluders and no warps, to measure what all these are worth.
+        lights_per_head: lights on each lit head; a sample takes two of them.
+        paints_per_head: mean number of samples of a lit head.
+        heads_at_once: lit heads that take turns, divided among the loader's workers. A worker has at least as many as
+            there are pairs in a batch.
+        first_batch: the batch to resume at.
+        pairs: pairs in a batch, the loader's batch size.
     """
 
     def __init__(
@@ -148,12 +148,12 @@ class SampleStream(IterableDataset):
             oldest, place = oldest + 1, 0
 
     def _turn(self, lane: int, number: int, at_once: int) -> int:
-        """Which of the lit heads a sample is of: all of them, in any order, before one comes again."""
+        """Index of the lit head that a sample shows: all take their turn in random order before one comes again."""
         lap, place = divmod(number, at_once)
         return int(self._random(Draw.TURNS, lane, lap).permutation(at_once)[place])
 
     def _head(self, lane: int, number: int, heads: list[Path]) -> Path:
-        """Which head a worker lights when it has lit `number` others: each comes once before any comes again."""
+        """The head a worker lights after `number` others: all come once, in random order, before any comes again."""
         epoch, place = divmod(number, len(heads))
         return heads[self._random(Draw.HEADS, lane, epoch).permutation(len(heads))[place]]
 
@@ -205,14 +205,19 @@ class SampleStream(IterableDataset):
                 channels["light"] = lit.lights[k][:, ::-1] if mirror else lit.lights[k]
             else:
                 channels = warped(channels, warp)
-            # Last, as in life: noise and JPEG's blocks stay as the camera made them.
+            # The photo is taken last, so that the warp does not resample noise and JPEG's blocks.
             pair.append(channels if lit.appearance is None else _photographed(channels, lit, k, pool, neighbour, rng))
         return as_tensors(pair, shared=set(surface))
 
     def _before_camera(
         self, lit: LitHead, albedo: np.ndarray, k: int, pool: TexturePool, rng: np.random.Generator
     ) -> dict[str, np.ndarray]:
-        """What a photo will be taken of: "radiance" (S, S, 3), "silhouette" and "hidden" (S, S), 1 inside."""
+        """What a photo will be taken of, before warping.
+
+        Returns:
+            "radiance" (S, S, 3) linear, premultiplied; "silhouette", the head, and "hidden", the head behind an
+            occluder, (S, S) float32, 1 inside.
+        """
         radiance = _radiance(lit, albedo, k)
         if not self.plain and rng.random() < _LOCALLY_LIT_SHARE:
             other = _radiance(lit, albedo, rng.integers(self.lights_per_head))
@@ -222,7 +227,7 @@ class SampleStream(IterableDataset):
         return {"radiance": radiance, "silhouette": silhouette, "hidden": hidden.astype(np.float32)}
 
     def _neighbour(self, heads: dict[int, LitHead], pool: TexturePool, rng: np.random.Generator) -> Neighbour | None:
-        """Somebody who is lit as well, in a light of their own, where photos are taken."""
+        """Now and then another lit head under a light of its own; None for the other samples."""
         if self.plain or not self.photographs or rng.random() >= _ACCOMPANIED_SHARE:
             return None
         other = heads[rng.integers(len(heads))]
@@ -243,7 +248,7 @@ def _photographed(
     neighbour: Neighbour | None,
     rng: np.random.Generator,
 ) -> dict[str, np.ndarray]:
-    """A sample with a photo of what is before the camera, in that's place."""
+    """The sample with "photo_srgb" in the place of the "radiance", "silhouette" and "hidden" that it is a photo of."""
     radiance, silhouette, hidden = (channels[name] for name in ("radiance", "silhouette", "hidden"))
     photo = photograph(
         radiance,
@@ -260,7 +265,7 @@ def _photographed(
 
 
 def sample_gloss(rng: np.random.Generator) -> Gloss:
-    """A head's own."""
+    """The random gloss of one head."""
     return Gloss(rng.uniform(0.2, 1.2), rng.uniform(0.3, 0.65))
 
 

@@ -1,4 +1,4 @@
-"""What else is in a portrait and belongs to no target: a light that reaches a part of the head, people behind."""
+"""What portraits contain beside the head that no target has: a light on a part of the head, other people."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from relight_core.dataset.painting.texture import TexturePool
 
 @dataclass(frozen=True)
 class LocalLight:
-    """A second light that does not reach all of a head: a spot, sun through a window or through leaves.
+    """A second light on a part of a head: a spot, or sun through a window or leaves.
 
     Attributes:
-        reach: (S, S, 1) in [0, 1], how much of it reaches each pixel.
-        colour: (3,) factors on its radiance.
+        reach: (S, S, 1) in [0, 1], the part of the light that reaches each pixel.
+        colour: (3,) factors on the light's radiance.
     """
 
     reach: np.ndarray
@@ -25,11 +25,11 @@ class LocalLight:
 
 @dataclass(frozen=True)
 class Neighbour:
-    """Somebody else in the picture.
+    """Another person in the picture.
 
     Attributes:
-        radiance: (S, S, 3) linear.
-        coverage: (S, S, 1) in [0, 1].
+        radiance: (S, S, 3) linear, premultiplied by the coverage.
+        coverage: (S, S, 1) in [0, 1], how much of each pixel is that person.
     """
 
     radiance: np.ndarray
@@ -37,7 +37,7 @@ class Neighbour:
 
 
 def sample_local_light(size: int, pool: TexturePool, rng: np.random.Generator) -> LocalLight:
-    """A half-plane, a disc or dapples with soft edges; coloured by half."""
+    """A random half-plane, disc or dapples with soft edges, strongly coloured half of the time."""
     chance = rng.random()
     if chance < 0.6:
         axis = (np.arange(size) + 0.5) / size * 2 - 1
@@ -58,9 +58,14 @@ def sample_local_light(size: int, pool: TexturePool, rng: np.random.Generator) -
 
 
 def sample_neighbour(radiance: np.ndarray, covered: np.ndarray, rng: np.random.Generator) -> Neighbour:
-    """Another lit head (S, S, 3), moved aside until half of it or less is behind the one in front, and out of focus.
+    """Another lit head beside and behind the one in front, mostly out of focus.
 
-    Its clothes and hair look like those in front, so that only its place tells that it is not meant.
+    Its clothes and hair are drawn like those in front, so that a network can tell only from its place that it is not
+    the subject.
+
+    Args:
+        radiance: (S, S, 3) linear, 0 outside the head.
+        covered: (S, S) bool, the head.
     """
     size = len(covered)
     scale = rng.uniform(0.6, 1.2)
@@ -70,7 +75,8 @@ def sample_neighbour(radiance: np.ndarray, covered: np.ndarray, rng: np.random.G
     shift_x = middle + aside - scale * mirror * middle
     shift_y = middle + rng.normal(0, 0.15) * size - scale * middle
     matrix = np.array([[scale * mirror, 0, shift_x], [0, scale, shift_y]])
-    # Over the border goes what is there already: a bust ends at the picture's lower edge, wherever that lies.
+    # The border is repeated, so that a bust that ends at the picture's lower edge goes on below it; what that repeats
+    # at the other edges is cleared.
     both = np.dstack([radiance, covered.astype(np.float32)])
     moved = cv2.warpAffine(both, matrix, (size, size), flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     left, right = sorted((shift_x, shift_x + scale * mirror * (size - 1)))
@@ -84,12 +90,21 @@ def sample_neighbour(radiance: np.ndarray, covered: np.ndarray, rng: np.random.G
 
 
 def with_local_light(radiance: np.ndarray, other: np.ndarray, local: LocalLight) -> np.ndarray:
-    """Radiance (S, S, 3) under one light, and under another as far as that reaches."""
+    """A head's radiance with that of a second light on a part of it, (S, S, 3) linear.
+
+    Args:
+        radiance, other: the head under the first light, and under the second one alone.
+    """
     return radiance + other * local.reach * local.colour
 
 
-def behind(background: np.ndarray, neighbour: Neighbour | None, gain: np.ndarray) -> np.ndarray:
-    """A background (S, S, 3) as the camera exposed it, and somebody before it, times the camera's gain (3,)."""
+def with_neighbour(background: np.ndarray, neighbour: Neighbour | None, gain: np.ndarray) -> np.ndarray:
+    """A neighbour in front of a background, (S, S, 3) linear.
+
+    Args:
+        background: (S, S, 3) linear, already exposed.
+        gain: (3,) the camera's, by which the neighbour's radiance is exposed.
+    """
     if neighbour is None:
         return background
     return background * (1 - neighbour.coverage) + neighbour.radiance * gain

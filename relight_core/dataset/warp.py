@@ -1,8 +1,8 @@
-"""Samples turned, enlarged, moved and slightly stretched in the image plane.
+"""Random affine warps of samples in the image plane: rotation, scale, shift and a slight stretch.
 
-A baked head has one pose in one crop, and a network that sees a thousand of them for days knows them by heart.
-Turned about the camera's axis, with its light, or enlarged, a head stays exactly as true as it was; stretched by
-a few percent it is another head whose shading is off by a few degrees.
+A baked head has one pose in one crop, and a network that sees the same thousand heads for days overfits to them.
+Rotation about the camera's axis, with the light, and scaling keep shading exact; a stretch of a few percent makes
+another head, whose normals are off by a few degrees.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ class Warp:
 
     Attributes:
         turn_deg: counterclockwise.
-        linear: (2, 2) of places relative to the middle, x to the right and y upward.
-        shift: (2,) in half-widths, after that.
+        linear: (2, 2) matrix on positions relative to the image's centre, x to the right and y upward.
+        shift: (2,) translation after that, in half-widths of the image.
     """
 
     turn_deg: float
@@ -37,12 +37,12 @@ class Warp:
 
     @property
     def scale(self) -> float:
-        """By how much lengths grow in the mean."""
+        """Factor on lengths: the geometric mean over both axes."""
         return float(np.sqrt(np.linalg.det(self.linear)))
 
 
 def sample_warp(rng: np.random.Generator) -> Warp:
-    """A small random one."""
+    """A small random warp."""
     turn_deg = float(np.clip(rng.normal(0, _TURN_DEG), -_WIDEST_TURN_DEG, _WIDEST_TURN_DEG))
     angle = np.radians(turn_deg)
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
@@ -54,8 +54,9 @@ def sample_warp(rng: np.random.Generator) -> Warp:
 def warped(sample: dict[str, np.ndarray], warp: Warp) -> dict[str, np.ndarray]:
     """A sample of `dataset.samples` seen through a warp; its light, of any size, becomes (16, 32, 3).
 
-    What comes into view from beyond the border repeats the border and counts as not covered. A pixel of an outline
-    that counts as covered has the channels of the head's part of it; "radiance" stays premultiplied by "silhouette".
+    What comes into view from beyond the border repeats the border and counts as not covered. Channels of the head
+    (`ON_THE_HEAD`) are un-premultiplied: divided by the head's coverage of each pixel, which counts as at least a half.
+    "radiance" stays premultiplied by "silhouette".
     """
     size = sample["covered"].shape[0]
     changed = {name: _image(value, warp, size) for name, value in sample.items() if name not in ("light", "label")}
@@ -76,17 +77,21 @@ def _image(value: np.ndarray, warp: Warp, size: int) -> np.ndarray:
 
 
 def _normals(normal: np.ndarray, warp: Warp) -> np.ndarray:
-    """Height grows with the image, so slopes change only by what is not a similarity."""
+    """Normals (S, S, 3) of the warped surface: slopes change by the inverse of the matrix without its scale.
+
+    Heights are scaled as the image is, so that a similarity transform leaves slopes as they are, but for their
+    direction.
+    """
     across = normal[..., :2] @ (warp.scale * np.linalg.inv(warp.linear)).astype(np.float32)
     turned = np.concatenate([across, normal[..., 2:]], -1)
     return turned / np.maximum(np.linalg.norm(turned, axis=-1, keepdims=True), 1e-6)
 
 
 def _moved(image: np.ndarray, warp: Warp, interpolation: int, border: int) -> np.ndarray:
-    """Pixels count from the top: y is turned over on the way in and out."""
+    """An image seen through a warp; rows count downward, so the matrix's y is flipped on both sides."""
     size = image.shape[0]
-    over = np.diag([1.0, -1.0])
-    linear, middle = over @ warp.linear @ over, np.full(2, (size - 1) / 2)
-    offset = middle - linear @ middle + over @ warp.shift * size / 2
+    flip_y = np.diag([1.0, -1.0])
+    linear, middle = flip_y @ warp.linear @ flip_y, np.full(2, (size - 1) / 2)
+    offset = middle - linear @ middle + flip_y @ warp.shift * size / 2
     matrix = np.column_stack([linear, offset])
     return cv2.warpAffine(np.ascontiguousarray(image), matrix, (size, size), flags=interpolation, borderMode=border)

@@ -57,7 +57,7 @@ def test_the_photo_is_as_dark_as_is_told(stream, monkeypatch):
     """Seen by a camera that does nothing, the photo over what is told is the photo without the shadow."""
     half = np.ones((SIZE, SIZE), np.float32)
     half[:, SIZE // 2 :] = 0
-    monkeypatch.setattr(gobo_photos, "taken", lambda exposed, rng: np.clip(exposed, 0, 1).astype(np.float32))
+    monkeypatch.setattr(gobo_photos, "through_camera", lambda exposed, rng: np.clip(exposed, 0, 1).astype(np.float32))
     monkeypatch.setattr(gobo_photos, "camera_gain", lambda *exposing: np.float32(0.3))
     monkeypatch.setattr(gobo_photos, "_SHADOWED_SHARE", 1.0)
     plain = some(stream_with(stream, monkeypatch, np.ones_like(half)), 20)
@@ -98,7 +98,9 @@ class Studio:
 
     def __init__(self, stream, pool, monkeypatch, head, gain=1.0, behind=1.0):
         self.stream, self.pool, self.head, self.passes, self.exposed = stream, pool, head, 1.0, []
-        monkeypatch.setattr(gobo_photos, "taken", lambda exposed, rng: np.clip(exposed, 0, 1).astype(np.float32))
+        monkeypatch.setattr(
+            gobo_photos, "through_camera", lambda exposed, rng: np.clip(exposed, 0, 1).astype(np.float32)
+        )
         monkeypatch.setattr(gobo_photos, "_SHADOWED_SHARE", 1.0)
         monkeypatch.setattr(
             gobo_photos, "sample_background", lambda size, *how: np.full((size, size, 3), behind, np.float32)

@@ -95,7 +95,7 @@ def test_samples_tell_of_the_person_that_is_marked(pool, seed):
 def test_what_a_camera_adds_is_never_turned(pool, monkeypatch):
     """Whatever is developed arrives as it was, pixel by pixel, wherever the photo reaches."""
     grain = np.where(np.indices((64, 64)).sum(0) % 2, 0.9, 0.1).astype(np.float32)[..., None].repeat(3, -1)
-    monkeypatch.setattr(outlines, "taken", lambda exposed, rng: grain)
+    monkeypatch.setattr(outlines, "through_camera", lambda exposed, rng: grain)
     person, scenery = cutout(), SceneryPool(pool, np.random.default_rng(1), 3)
     for seed in range(8):
         sample = outline_sample([person], person, 64, scenery, pool, np.random.default_rng(seed))

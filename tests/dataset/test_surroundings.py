@@ -7,10 +7,10 @@ from relight_core.dataset.camera import photograph
 from relight_core.dataset.surroundings import (
     LocalLight,
     Neighbour,
-    behind,
     sample_local_light,
     sample_neighbour,
     with_local_light,
+    with_neighbour,
 )
 
 SIZE = 48
@@ -74,9 +74,9 @@ def test_a_neighbours_bust_goes_on_to_the_lower_border():
 def test_behind_is_the_background_where_nobody_is():
     background = np.full((2, 2, 3), 0.5, np.float32)
     gain = np.float32([2, 2, 2])
-    assert behind(background, None, gain) is background
+    assert with_neighbour(background, None, gain) is background
     coverage = np.float32([[[0], [1]], [[0.5], [0]]])
-    mixed = behind(background, Neighbour(coverage * np.float32([0.1, 0.1, 0.1]), coverage), gain)
+    mixed = with_neighbour(background, Neighbour(coverage * np.float32([0.1, 0.1, 0.1]), coverage), gain)
     np.testing.assert_allclose(mixed[..., 0], [[0.5, 0.2], [0.35, 0.5]], rtol=1e-6)
 
 

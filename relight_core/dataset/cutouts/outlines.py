@@ -10,7 +10,7 @@ import numpy as np
 import torch
 
 from relight_core.dataset.baking.shard import read_shard
-from relight_core.dataset.camera import camera_gain, taken
+from relight_core.dataset.camera import camera_gain, through_camera
 from relight_core.dataset.cutouts.arms import with_arm
 from relight_core.dataset.cutouts.cutouts import Cutout, cut_out, place
 from relight_core.dataset.cutouts.hats import with_hat
@@ -139,7 +139,7 @@ def _photographed(exposed: np.ndarray, planes: np.ndarray, rng: np.random.Genera
     if rng.random() < _TURNED_SHARE:
         exposed, planes = _turned(exposed, planes, float(rng.normal(0, _TURN_DEG)))
     # Last, as in life: noise and JPEG's blocks stay as the camera made them.
-    photo = taken(exposed, rng) * planes[..., :1]
+    photo = through_camera(exposed, rng) * planes[..., :1]
     stack = np.clip(np.dstack([photo, planes]), 0, 1).astype(np.float32)
     planes = torch.from_numpy(stack).permute(2, 0, 1).contiguous()
     return {"photo_srgb": planes[:3], "inside": planes[3:4], "face": planes[4:5], "person": planes[5:6]}
