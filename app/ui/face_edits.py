@@ -56,7 +56,7 @@ def wished_boxes(state: EditorState) -> tuple[FaceBox, ...]:
 
 def wished_face(state: EditorState) -> int | None:
     """Which face of the open photo is to be relit alone; None is all of them."""
-    photo = state.photo if state.is_at_work() else state.left or state.snapshot.opened.source
+    photo = state.photo if state.is_at_work() else state.photo_left or state.snapshot.opened.source
     return photo.face_index
 
 

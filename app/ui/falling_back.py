@@ -1,4 +1,4 @@
-"""What the editor returns to when a photo or a light that was wished for can't be had."""
+"""What the editor returns to when a photo or a light that was asked for is refused."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def fall_back(state: EditorState) -> None:
-    """Let wishes that the engine refused become what is in force; an undo that led to them is taken back whole."""
+    """Replace refused wishes by what is in force; an undo or redo that led to one is reverted as a whole."""
     snapshot, undoing = state.snapshot, state.undoing
     if snapshot.coming is not None and snapshot.coming.source is state.photo:
         state.opened_queue = state.queue
@@ -26,9 +26,9 @@ def fall_back(state: EditorState) -> None:
         remaining = snapshot.opened or snapshot.coming
         state.queue = state.queue.refused(state.opened_queue, remaining and remaining.source.path)
         state.photo = remaining.source if remaining else None
-        if state.left is not None and snapshot.opened is not None and snapshot.opened.shows(state.left):
-            # With what was painted or corrected just before and is in no picture yet.
-            state.photo = state.left
+        if state.photo_left is not None and snapshot.opened is not None and snapshot.opened.shows(state.photo_left):
+            # The open photo's source lacks strokes and boxes that were made just before and are in no picture yet.
+            state.photo = state.photo_left
     if state.light in snapshot.refused:
         lost = LightRef.of(state.light)
         _take_light_back(state)
@@ -52,7 +52,7 @@ def _take_light_back(state: EditorState) -> None:
 
 
 def _let_session_keep(state: EditorState, lost: LightRef) -> None:
-    """A session's file goes on naming the light that can't be had: saving asks before it replaces that."""
+    """Stop saving to the session's file, so that saving asks before the file loses the name of the refused light."""
     if state.opening is not None and state.opening.document.light == lost:
         state.opening = replace(state.opening, path=None)
     elif state.kept is not None and state.kept.light == lost:
@@ -60,7 +60,7 @@ def _let_session_keep(state: EditorState, lost: LightRef) -> None:
 
 
 def give_up_what_is_on_its_way(state: EditorState) -> None:
-    """Settle what came with a session or an undo that isn't there yet: it was never work on the photo that is open."""
+    """Undo what a session or a step of the history that isn't there yet has set: it is no work on the open photo."""
     undoing, is_there = state.undoing, (state.is_at_work(), state.is_in_force())
     if state.opening and state.opening.wish is state.photo:
         state.put_back(replace(state.opening.before, photo=None))
@@ -70,7 +70,7 @@ def give_up_what_is_on_its_way(state: EditorState) -> None:
 
 
 def _note_refused(state: EditorState) -> None:
-    """A photo that came back can't be opened as it was left; the next time the finder says where its faces are."""
+    """Note that a photo can't be opened as it was left; next time its faces are found again."""
     path = state.photo.path
     if path is not None and path.absolute() in state.works and not state.is_at_work():
         state.works[path.absolute()] = replace(state.works[path.absolute()], is_refused=True)

@@ -1,4 +1,4 @@
-"""Work on one photo as the editor keeps it aside: while a session or an undo is on its way, and for another photo."""
+"""Records of work that is put aside: while a session or an undo is loading, and while another photo is open."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from app.engine.sources import LightSource, PhotoSource
 
 @dataclass(frozen=True)
 class Opening:
-    """A session that was asked for.
+    """A session that was asked for and is not there yet.
 
     Attributes:
         wish: for its photo.
         path: its file; None for work that no session file holds.
         document: what the file holds.
-        before: the work before.
+        before: the document to return to if the photo is refused.
     """
 
     wish: PhotoSource
@@ -28,18 +28,18 @@ class Opening:
 
     @property
     def kept(self) -> KeptWork:
-        """What files hold of it once it is open."""
+        """The work on its photo once that is open."""
         # Nothing equals a document without a photo, so work that no file holds stays unsaved.
         return KeptWork(self.path, self.document if self.path else Document(), self.document)
 
 
 @dataclass(frozen=True)
 class Undoing:
-    """A step of the history that was gone to, while its photo or its light is not there yet.
+    """An undo or redo whose photo or light is not there yet.
 
     Attributes:
-        step: which step was in force before.
-        photo, light: the wishes that came of it.
+        step: index of the step that was in force before.
+        photo, light: the wishes that it made.
     """
 
     step: int
@@ -47,26 +47,27 @@ class Undoing:
     light: LightSource
 
     def is_coming(self, photo: PhotoSource | None, light: LightSource, at_work: bool, in_force: bool) -> bool:
-        """Whether it is still what is wanted and isn't there; another light that was asked for since is none of it.
+        """Whether its photo, or its light, is still wanted and not there yet.
 
         Args:
-            at_work: the photo that is wanted is open.
-            in_force: so it is, and the light is there.
+            photo, light: what is wanted now; a light that was asked for since does not count.
+            at_work: the wanted photo is open.
+            in_force: the wanted photo is open and the light is there.
         """
         return photo is self.photo and not (at_work if light is not self.light else in_force)
 
     def is_refused(self, photo: PhotoSource | None, light: LightSource, refused: Collection[object]) -> bool:
-        """Whether it can't be gone to: one of its wishes is still what is wanted, and was refused."""
+        """Whether one of its wishes is still wanted and was refused."""
         gone_photo = photo is self.photo and photo in refused
         return gone_photo or (light is self.light and light in refused)
 
 
 @dataclass(frozen=True)
 class KeptWork:
-    """The work on a photo, and what files hold of it.
+    """The work on a photo, put aside, and what its session file holds.
 
     Attributes:
-        session_path: the file the work was last saved to or opened from; None where there is none.
+        session_path: the file that the work was last saved to or opened from; None if there is none.
         document: the work as that file has it, or as the photo was opened.
         left: the work as it was when another photo was asked for.
         is_refused: the photo could not be opened again with its faces as they were left.
@@ -79,7 +80,7 @@ class KeptWork:
 
     @property
     def is_work(self) -> bool:
-        """Whether the photo was more than looked at."""
+        """Whether the photo has a session or was changed, and was not just looked at."""
         return self.session_path is not None or self.left != self.document
 
     def named(self, path: Path) -> KeptWork:

@@ -1,4 +1,4 @@
-"""The photos that were brought together, one of which is open."""
+"""The queue: photos that were opened together, one of which is shown."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ class PhotoQueue:
 
     Attributes:
         paths: the files.
-        at: which of them was asked for last.
-        is_beside: another photo than that is open meanwhile.
+        at: index of the one that was asked for last.
+        is_beside: another photo than that is open.
     """
 
     paths: tuple[Path, ...] = ()
@@ -31,20 +31,21 @@ class PhotoQueue:
         return PhotoQueue(self.paths, at) if 0 <= at < len(self.paths) else None
 
     def refused(self, before: PhotoQueue, stays: Path | None) -> PhotoQueue:
-        """What becomes of a queue whose photo can't be opened, given the queue of the photo that stays open.
+        """The queue after its current photo was refused.
 
-        The queue before comes back, unless it is of no use and this one has other photos to go on to, from where the
-        photo is that can't be opened.
+        A new queue is replaced by the one before it, unless that has at most one photo and the new one has others to
+        step to.
 
         Args:
-            stays: the photo that stays open; None where the window is empty.
+            before: the queue of the photo that stays open.
+            stays: the photo that stays open; None if the window is empty.
         """
         is_fresh = self.paths != before.paths
         comes_back = is_fresh and (len(before.paths) > 1 or len(self.paths) == 1)
         return before if comes_back else replace(self, is_beside=stays is not None and not self._is_at(stays))
 
     def showing(self, path: Path | None) -> PhotoQueue:
-        """The queue once a photo is open that was not reached through it, as after undo."""
+        """The queue when a photo was opened in another way than by stepping, such as by undo."""
         places = [place.absolute() for place in self.paths]
         if not places:
             return self

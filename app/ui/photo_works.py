@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
 
 def portrait_of(state: EditorState, path: Path) -> PhotoRef:
-    """Who in a photo is relit and where its faces are: as it is wished for now, else as it was left in this run."""
+    """A photo with its choice of face, boxes and strokes: as wanted now, else as it was left in this run."""
     if _is_wanted(state, path):
         return PhotoRef.of(state.photo, path)
-    work = state.works.get(path.absolute())
+    work = _work_at(state, path)
     if work is None or work.is_refused:
         return PhotoRef(path)
     return replace(work.left.photo, path=path)
@@ -31,11 +31,11 @@ def wish_of(state: EditorState, path: Path) -> PhotoSource:
 
 
 def work_left(state: EditorState, path: Path) -> Document | None:
-    """The work on a photo as it is set now, else as it was left in this run; None where it was not opened.
+    """The work on a photo as it is set now, else as it was left in this run; None if it was not opened.
 
-    Of a photo that came back with the settings of another it is the work of its own that waits for the user.
+    While a photo is shown with the settings of another, this is its own work, which waits for the user's answer.
     """
-    work, is_wanted = state.works.get(path.absolute()), _is_wanted(state, path)
+    work, is_wanted = _work_at(state, path), _is_wanted(state, path)
     if is_wanted and state.is_at_work():
         left = state.waiting.left if is_waiting(state) else state.document()
     elif is_wanted and (_is_put_back(state) or work is None or not work.is_work):
@@ -46,26 +46,26 @@ def work_left(state: EditorState, path: Path) -> Document | None:
 
 
 def is_worked_on(state: EditorState, path: Path) -> bool:
-    """Whether a photo has work of its own in this run: it was more than looked at under the settings of another."""
-    work, is_wanted = state.works.get(path.absolute()), _is_wanted(state, path)
+    """Whether a photo has work of its own in this run, and was not just looked at with the settings of another."""
+    work, is_wanted = _work_at(state, path), _is_wanted(state, path)
     if is_wanted and state.is_at_work():
         return is_waiting(state) or state.session_path is not None or state.is_unsaved()
     return (is_wanted and _is_put_back(state)) or (work is not None and work.is_work)
 
 
 def unsaved_work(state: EditorState, path: Path) -> Document | None:
-    """The work on a photo, be it open or left for another, that no session file holds; None where there is none."""
+    """The work on a photo, whether it is open or not, that no session file holds; None if there is none."""
     if not (_is_wanted(state, path) and state.is_at_work()):
-        work = state.works.get(path.absolute())
+        work = _work_at(state, path)
     else:
         work = state.waiting if is_waiting(state) else KeptWork(state.session_path, state.kept, state.document())
     return work.left if work is not None and work.left != work.document else None
 
 
 def note_left(state: EditorState) -> None:
-    """Remember the open photo and the work on it as they are; before anything else is wished for."""
+    """Remember the open photo and the work on it; to be called before another photo is asked for."""
     if state.is_at_work():
-        state.left = state.photo
+        state.photo_left = state.photo
     if state.kept is None or not state.is_at_work() or state.photo.path is None:
         return
     work = KeptWork(state.session_path, state.kept, state.document())
@@ -73,15 +73,15 @@ def note_left(state: EditorState) -> None:
 
 
 def is_waiting(state: EditorState) -> bool:
-    """Whether the open photo has work of its own that was not gone on with, and none since."""
+    """Whether the open photo's own work waits for the user's answer, and nothing was changed since."""
     return state.waiting is not None and not state.is_unsaved()
 
 
 def begin_work(state: EditorState) -> None:
-    """A photo has been opened: from here on, changes are work on it.
+    """A photo has been opened: from now on, changes are work on it.
 
-    The light and the sliders may be those of the photo before. Where the photo has work of its own that was left with
-    others, that work waits for the user, and its session file is not the one to save to.
+    The light and the sliders may be those of the photo before. If the photo has work of its own with other settings,
+    that work is put into `waiting`, and saving does not go to its session file.
     """
     source = state.snapshot.opened.source
     before, state.work_on = state.work_on, source.path and source.path.absolute()
@@ -103,9 +103,9 @@ def begin_work(state: EditorState) -> None:
 
 
 def _keep_what_comes_back(state: EditorState, before: Path | None) -> None:
-    """Keep the work on the photo that was open, where that one is wanted again: an undo came while this one was read.
+    """Keep the work on the photo that was open, if that photo is wanted again: the user undid while this one was read.
 
-    It will be read anew, and what was set on it until then is its own.
+    It will be read again, and what was set on it until then is its own work.
     """
     wanted = state.photo and state.photo.path
     if wanted is None or wanted.absolute() != before or state.kept is None or state.undoing or is_waiting(state):
@@ -115,7 +115,7 @@ def _keep_what_comes_back(state: EditorState, before: Path | None) -> None:
 
 
 def resume(state: EditorState, work: KeptWork) -> None:
-    """Go on with the work on a photo as it was left."""
+    """Continue the work on a photo as it was left."""
     give_up_what_is_on_its_way(state)
     state.put_back(work.left)
     if state.is_at_work():
@@ -123,9 +123,9 @@ def resume(state: EditorState, work: KeptWork) -> None:
 
 
 def session_of_photo(state: EditorState) -> tuple[Path, Document] | None:
-    """The session file of the photo that is wanted, be it open yet or not, and the work as that file was left.
+    """The session file of the wanted photo, whether that is open yet or not, and the document that the file holds.
 
-    None where this run knows of none, or where that file holds other work than what is set now.
+    None if this run knows of no such file, or if the file holds other work than what is set now.
     """
     if state.is_at_work():
         return (state.session_path, state.kept) if state.session_path is not None else None
@@ -135,7 +135,7 @@ def session_of_photo(state: EditorState) -> tuple[Path, Document] | None:
 
 
 def note_saved(state: EditorState, path: Path, document: Document) -> None:
-    """A session file holds this document now, whichever photo is open meanwhile."""
+    """Note that a session file holds this document now, whichever photo is open meanwhile."""
     photo = document.photo.path.absolute()
     known = state.works.get(photo)
     left = document if known is None or _is_wanted(state, photo) else known.left
@@ -144,13 +144,17 @@ def note_saved(state: EditorState, path: Path, document: Document) -> None:
         state.session_path, state.kept, state.waiting = path, document, None
 
 
+def _work_at(state: EditorState, path: Path) -> KeptWork | None:
+    return state.works.get(path.absolute())
+
+
 def _is_wanted(state: EditorState, path: Path) -> bool:
     wanted = state.photo and state.photo.path
     return wanted is not None and wanted.absolute() == path.absolute()
 
 
 def _is_put_back(state: EditorState) -> bool:
-    """Whether the photo that is wanted comes with what was set on it: of a session or of the history."""
+    """Whether the wanted photo comes with settings of its own, from a session or from the history."""
     comes_with_session = state.opening is not None and state.opening.wish is state.photo
     return comes_with_session or _is_undone(state, state.photo)
 
@@ -158,16 +162,16 @@ def _is_put_back(state: EditorState) -> bool:
 def _work_on(state: EditorState, photo: PhotoSource | None) -> KeptWork | None:
     if photo is None or photo.path is None:
         return None
-    work = state.works.get(photo.path.absolute())
+    work = _work_at(state, photo.path)
     return work and work.named(photo.path)
 
 
 def _is_undone(state: EditorState, photo: PhotoSource) -> bool:
-    """Whether a wish came of the history, which puts back what was set on that photo itself."""
+    """Whether a wish came from the history, which restores the settings of that photo itself."""
     return state.undoing is not None and state.undoing.photo is photo
 
 
 def _as_opened(state: EditorState, source: PhotoSource) -> Document:
-    """The document of a photo that has been opened, though another may be wished for by now."""
+    """The document of a photo that has just been opened, even if another is wanted by now."""
     photo = PhotoRef.of(source, source.path) if source.path else None
     return replace(state.document(), photo=photo)

@@ -41,62 +41,65 @@ from relight_core.pipeline.edit import Edit
 class EditorState:
     """The editor at one moment.
 
+    docs/code.md explains how the fields on the work on a photo belong together.
+
     Attributes:
-        photo, light: what the user wants to see; the engine says in `snapshot` what is in force.
+        photo, light: what the user wants to see; `snapshot` says what is in force.
         extra_lights: lights beyond the bundled ones, newest first.
         edit: the sliders.
         light_edit: what the user changed about the light.
-        queue: the photos that were brought together.
-        session_path: the file the work was last saved to or opened from.
+        queue: the photos that were opened together.
+        session_path: the file that the work was last saved to or opened from.
         kept: the document as that file has it, or as the photo was opened; None before there is a photo.
-        asking: what the window and the user ask each other.
-        picking: what our own file dialog asks for, while it is open.
-        quality: the tier the user wants, or what an update may take.
+        asking: questions, messages and wishes between the window and the user.
+        picking: what relight's own file dialog asks for, while it is open.
+        quality: the tier that the user wants, or "auto" with its frame budget.
         plan_open: the list of effects with their reasons is unfolded.
         history: for undo and redo.
-        history_seen: how many steps the list had, and which was in force, when it last scrolled to it.
-        shown: which entry of CHANNELS fills the viewport.
-        before: the photo is shown instead while this is held.
+        history_seen: number of steps and the step in force when the list last scrolled to it.
+        shown: name of the entry of CHANNELS that fills the viewport.
+        before: the original photo is shown instead, while its key is held.
         view: zoom and pan.
-        view_of: the photo that `view` was made for.
-        look: what is switched on for looking.
-        panels: how large the panels are and which are in sight.
-        panels_before: as they were before all of them were hidden, until they come back.
-        groups: which groups in them are open.
+        view_of: the photo that `view` belongs to.
+        look: comparison, overlays and readings.
+        panels: size, visibility and edge of each panel.
+        panels_before: the panels as they were before Tab hid them all, until it brings them back.
+        groups: which groups of the panels are open.
         export: how pictures are saved.
-        cancel_wanted: the work that the user wants stopped, for one frame.
-        job: the long work that runs, if any.
-        playing: the light turns by itself.
-        export_path: where the next export goes, from the photo's folder; its suffix and the button follow each other.
-        export_wanted: a suffix, for one frame after the user asked for it.
-        selected_box: which soft box is worked on, or -1.
+        job: the long-running job, if any.
+        cancel_wanted: the job that the user wants cancelled; set for one frame.
+        playing: the light rotates by itself.
+        export_path: where the next export goes, relative to the photo's folder; its suffix follows `export.form` and
+            the other way round.
+        export_wanted: suffix of an export that the user asked for; set for one frame.
+        selected_box: index of the selected soft box, or -1.
         held: what the mouse holds on the panorama.
-        hint_spent: the mouse has held something there and not left since, so that it needs no explanation.
-        aim: what the next click on the face places a lamp for: "highlight", "bright", or "" for none.
-        aim_at: the relit picture whose normals the click reads.
-        aim_hit: the click, or the drag it became, has placed a lamp.
-        aim_refusal: why the newest click that missed placed none.
-        dismissed: number of the newest message that was put away.
-        news: the newest message that is no error, and for how long it has been in sight.
-        typing: which slider has its number typed in, if any.
-        typing_began: the typing field still has to take the keyboard.
-        typing_seen: the typing field has been drawn in this frame.
-        off_knob: by how much the mouse met a slider's knob off its middle, as it took hold of it.
+        hint_spent: something on the panorama was dragged since the mouse came to it, so no tooltip is needed.
+        aim: what the next click on the face places a lamp for: "highlight", "bright", or "" for nothing.
+        aim_at: the relit picture whose normals that click reads.
+        aim_hit: the click, or the drag that it became, has placed a lamp.
+        aim_refusal: the message why the last click placed none.
+        dismissed: number of the newest message that the user put away.
+        news: the newest message that is not an error, and how long it has been shown.
+        typing: label of the slider or field whose value is being typed, if any.
+        typing_began: that field still has to get the keyboard focus.
+        typing_seen: that field was drawn in this frame.
+        off_knob: distance from a slider's knob to the mouse when it took hold, which a drag keeps.
         hand_on_control: a slider or the panorama is being dragged.
-        pointing_at_faces: the mouse is on the choice of faces, so that the viewport shows which is which.
-        faces: the boxes of the faces, while they are corrected.
-        brush: the outline of the people, while it is corrected.
-        asked, asked_light: the edit, and the light's, last asked of the engine.
-        snapshot: the engine's newest.
-        light_panel: the light panel's rectangle (x0, y0, x1, y1) in the window, for drops.
-        opening, undoing: the session or the step of the history that is on its way, if any.
-        opened_queue: the queue as the open photo was asked for, or the first one that is still being read.
+        pointing_at_faces: the mouse is over the choice of faces, so the viewport numbers them.
+        faces: the tool that corrects the boxes of the faces.
+        brush: the tool that corrects the outline of the people.
+        asked, asked_light: the edit and the light edit last submitted to the engine.
+        snapshot: what the engine published last.
+        light_panel: the light panel's rectangle (x0, y0, x1, y1) in the window, where a drop lends its light.
+        opening, undoing: the session or the step of the history that was asked for and is not there yet.
+        opened_queue: the queue when the open photo was asked for, or the first one that is still being read.
         works: the work on each photo of this run as it was left, by the photo's absolute path.
-        work_on: the photo that is open, by the same.
-        left: the open photo as it was wished for when another one was asked for.
-        light_wish: another light that was asked for, until it is there.
-        started_afresh: the photos whose saved session was put aside in this run, by their absolute paths.
-        waiting: work of the open photo's own, where it came back under the light and the sliders of another.
+        work_on: absolute path of the open photo.
+        photo_left: the wish for the open photo at the moment when another one was asked for.
+        light_wish: a light that was asked for and is not there yet.
+        started_afresh: absolute paths of the photos whose saved session was declined in this run.
+        waiting: the open photo's own work, while it is shown with the light and the sliders of another.
     """
 
     photo: PhotoSource | None = None
@@ -153,7 +156,7 @@ class EditorState:
     opened_queue: PhotoQueue = field(default_factory=PhotoQueue)
     works: dict[Path, KeptWork] = field(default_factory=dict)
     work_on: Path | None = None
-    left: PhotoSource | None = None
+    photo_left: PhotoSource | None = None
     light_wish: LightWish | None = None
     started_afresh: set[Path] = field(default_factory=set)
     waiting: KeptWork | None = None
@@ -323,7 +326,7 @@ class EditorState:
         if self.is_at_work():
             self.photo = replace(self.photo, place=opened.photo, face_index=index)
         else:
-            self._wish_for(replace(self.left or opened.source, place=opened.photo, face_index=index))
+            self._wish_for(replace(self.photo_left or opened.source, place=opened.photo, face_index=index))
             self.queue = self.queue.showing(opened.source.path)
 
     def choose_light(self, light: LightSource) -> None:
@@ -352,7 +355,7 @@ class EditorState:
             self.export_path = suggested_place(self).with_suffix(self.export.form).name
             self.shown = RESULT
             self.aim, self.aim_hit = "", False
-            self.aim_at = self.left = None
+            self.aim_at = self.photo_left = None
             self.faces = FaceTool(not snapshot.faces, snapshot.opened.source)
             self.brush = BrushTool(radius_em=self.brush.radius_em)
             if snapshot.opened.source.path and self.is_at_work():
