@@ -1,4 +1,4 @@
-"""Paints what Dear ImGui has listed for a frame."""
+"""Draws Dear ImGui's draw lists with OpenGL."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import moderngl
 import numpy as np
 from imgui_bundle import imgui
 
-from app.window.damage import Piece, Rect, Sheet, cut, damage, seen_in
+from app.window.damage import DrawCommand, DrawList, Rect, cut, damage, seen_in
 from app.window.gl_textures import ledger_of
 from app.window.shader_source import shader_program
 
@@ -17,7 +17,7 @@ _ROOM = 1 << 16
 
 
 class InterfacePainter:
-    """Draws the lists of a frame, all vertices of it in one buffer, which takes far fewer calls than a list at a time.
+    """Draws the draw lists of a frame from a single vertex buffer, with far fewer calls than a buffer for each list.
 
     Args:
         context: the window's; current whenever a method is called.
@@ -40,65 +40,65 @@ class InterfacePainter:
     def paint(self, data: imgui.ImDrawData, target: moderngl.Framebuffer) -> None:
         """Draw a frame over what is in the target, which is as large as the window's framebuffer."""
         self._follow_textures()
-        sheets, size, _ = _read(data)
-        self._draw(sheets, self._upload(sheets), target, (0, 0, *size))
+        draw_lists, size, _ = _read(data)
+        self._draw(draw_lists, self._upload(draw_lists), target, (0, 0, *size))
 
     def repaint(
         self, data: imgui.ImDrawData, target: moderngl.Framebuffer, background: tuple[float, ...], kept: bool
     ) -> bool:
-        """Draw a frame, or only where it differs from the one repainted before; False where it does nowhere.
+        """Draw a frame where it differs from the one repainted before; False if it does not differ.
 
         Args:
             background: the colour behind all.
-            kept: the target still holds that frame. Where it does not, all is drawn if anything is.
+            kept: the target still holds the frame before. If it does not, everything is drawn if anything differs.
         """
         self._follow_textures()
-        sheets, size, scale = _read(data)
-        self._let_go_of_unseen(sheets)
+        draw_lists, size, scale = _read(data)
+        self._let_go_of_unseen(draw_lists)
         touched, self._ledger.touched = self._ledger.touched, {}
         rects = [(0, 0, *size)]
         if self._shown is not None and self._shown[1:] == (size, scale):
-            changed = damage(self._shown[0], sheets, touched, size)
+            changed = damage(self._shown[0], draw_lists, touched, size)
             rects = changed if kept or not changed else rects
-        self._shown = (sheets, size, scale)
-        starts = self._upload(sheets) if rects else []
+        self._shown = (draw_lists, size, scale)
+        starts = self._upload(draw_lists) if rects else []
         for rect in rects:
             # The window's own framebuffer is not told when the window's size changes.
             target.viewport = (0, 0, *size)
-            self._draw(sheets, starts, target, rect, background)
+            self._draw(draw_lists, starts, target, rect, background)
         return bool(rects)
 
     def forget(self) -> None:
-        """Draw all at the next repainting: what the target holds may have been lost."""
+        """Redraw everything next time: the target's contents may have been lost."""
         self._shown = None
 
     def _draw(
         self,
-        sheets: tuple[Sheet, ...],
+        draw_lists: tuple[DrawList, ...],
         starts: list[int],
         target: moderngl.Framebuffer,
         rect: Rect,
         background: tuple[float, ...] | None = None,
     ) -> None:
-        """What lies in a rectangle of the target, which is as large as its viewport; None clears nothing first."""
+        """Draw a rectangle of the target, whose size is its viewport's; a background clears it first."""
         width, height = target.viewport[2:]
-        pieces, hides = seen_in(rect, sheets, self._ledger.opaque)
+        commands, hides = seen_in(rect, draw_lists, self._ledger.opaque)
         if background is not None and not hides:
             target.clear(*background, viewport=(rect[0], height - rect[3], rect[2] - rect[0], rect[3] - rect[1]))
         target.use()
         self._program["window_size"].value = (width, height)
         self._context.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         self._context.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
-        for index, piece, (x0, y0, x1, y1) in pieces:
-            self._prepare(piece)
+        for index, command, (x0, y0, x1, y1) in commands:
+            self._prepare(command)
             target.scissor = x0, height - y1, x1 - x0, y1 - y0
-            self._array.render(moderngl.TRIANGLES, piece.count, first=starts[index] + piece.first)
+            self._array.render(moderngl.TRIANGLES, command.count, first=starts[index] + command.first)
         target.scissor = None
 
-    def _prepare(self, piece: Piece) -> None:
-        """Texture and blending of a piece; in software, mixing with what is there costs time."""
-        self._texture(piece.texture).use(0)
-        if piece.texture in self._ledger.opaque:
+    def _prepare(self, command: DrawCommand) -> None:
+        """Set the texture and blending of a command; opaque textures are not blended, which saves time in software."""
+        self._texture(command.texture).use(0)
+        if command.texture in self._ledger.opaque:
             self._context.disable(moderngl.BLEND)
         else:
             self._context.enable(moderngl.BLEND)
@@ -112,20 +112,24 @@ class InterfacePainter:
             item.release()
         imgui.get_io().backend_flags &= ~imgui.BackendFlags_.renderer_has_textures
 
-    def _upload(self, sheets: tuple[Sheet, ...]) -> list[int]:
-        """All vertices and indices of a frame; where each sheet's indices begin."""
+    def _upload(self, draw_lists: tuple[DrawList, ...]) -> list[int]:
+        """Upload all vertices and indices of a frame.
+
+        Returns:
+            where each draw list's indices begin.
+        """
         indices, starts, first_vertex, first_index = [], [], 0, 0
-        for sheet in sheets:
-            indices.append(sheet.indices.astype(np.uint32) + np.uint32(first_vertex))
+        for draw_list in draw_lists:
+            indices.append(draw_list.indices.astype(np.uint32) + np.uint32(first_vertex))
             starts.append(first_index)
-            first_vertex += len(sheet.vertices)
-            first_index += len(sheet.indices)
+            first_vertex += len(draw_list.vertices)
+            first_index += len(draw_list.indices)
         self._reserve(first_vertex * imgui.VERTEX_SIZE, 4 * first_index)
-        # A new store each frame, so that nobody waits for the last one to be drawn.
+        # New storage for each frame, so that the upload need not wait until the last frame is drawn.
         for buffer in (self._vertices, self._indices):
             buffer.orphan()
         if first_index:
-            self._vertices.write(np.concatenate([sheet.vertices for sheet in sheets]))
+            self._vertices.write(np.concatenate([draw_list.vertices for draw_list in draw_lists]))
             self._indices.write(np.concatenate(indices))
         return starts
 
@@ -147,15 +151,15 @@ class InterfacePainter:
             texture = self._others[number] = self._context.external_texture(number, (1, 1), 4, 0, "f1")
         return texture
 
-    def _let_go_of_unseen(self, sheets: tuple[Sheet, ...]) -> None:
-        """Keep no wrapper of a texture the frame does not show: each new size of the viewport has a new number."""
-        seen = {piece.texture for sheet in sheets for piece in sheet.pieces}
+    def _let_go_of_unseen(self, draw_lists: tuple[DrawList, ...]) -> None:
+        """Drop the wrappers of textures that the frame does not show: a viewport of another size has a new texture."""
+        seen = {command.texture for draw_list in draw_lists for command in draw_list.commands}
         for number in self._others.keys() - seen:
             # Of a texture that is not its own, this frees the wrapper alone.
             self._others.pop(number).release()
 
     def _follow_textures(self) -> None:
-        """Make, mend and free the textures of Dear ImGui itself: its letters."""
+        """Create, update and free Dear ImGui's own textures, its font atlas."""
         status = imgui.ImTextureStatus
         for data in imgui.get_platform_io().textures:
             if data.status == status.want_create:
@@ -181,25 +185,25 @@ class InterfacePainter:
             texture.write(block, viewport=(part.x, part.y, part.w, part.h))
 
 
-def _read(data: imgui.ImDrawData) -> tuple[tuple[Sheet, ...], tuple[int, int], tuple[float, float]]:
-    """A frame as sheets in framebuffer pixels, the framebuffer's size, and the scale it was listed at."""
+def _read(data: imgui.ImDrawData) -> tuple[tuple[DrawList, ...], tuple[int, int], tuple[float, float]]:
+    """A frame's draw lists in framebuffer pixels, the framebuffer's size, and the scale it was listed at."""
     across, down = data.framebuffer_scale.x, data.framebuffer_scale.y
     size = round(data.display_size.x * across), round(data.display_size.y * down)
-    return tuple(_sheet(commands, across, down, size) for commands in data.cmd_lists), size, (across, down)
+    return tuple(_draw_list(listed, across, down, size) for listed in data.cmd_lists), size, (across, down)
 
 
-def _sheet(commands: imgui.ImDrawList, across: float, down: float, size: tuple[int, int]) -> Sheet:
-    vertices = np.frombuffer(_bytes_of(commands.vtx_buffer, imgui.VERTEX_SIZE), np.uint32).reshape(-1, 5).copy()
+def _draw_list(listed: imgui.ImDrawList, across: float, down: float, size: tuple[int, int]) -> DrawList:
+    vertices = np.frombuffer(_bytes_of(listed.vtx_buffer, imgui.VERTEX_SIZE), np.uint32).reshape(-1, 5).copy()
     if (across, down) != (1.0, 1.0):
         vertices[:, :2].view(np.float32)[...] *= np.float32((across, down))
-    indices = np.frombuffer(_bytes_of(commands.idx_buffer, imgui.INDEX_SIZE), f"u{imgui.INDEX_SIZE}").copy()
-    pieces = []
-    for command in commands.cmd_buffer:
+    indices = np.frombuffer(_bytes_of(listed.idx_buffer, imgui.INDEX_SIZE), f"u{imgui.INDEX_SIZE}").copy()
+    commands = []
+    for command in listed.cmd_buffer:
         x0, y0, x1, y1 = command.clip_rect
         clip = cut((int(x0 * across), int(y0 * down), int(x1 * across), int(y1 * down)), (0, 0, *size))
         if clip and command.elem_count:
-            pieces.append(Piece(clip, command.tex_ref.get_tex_id(), command.idx_offset, command.elem_count))
-    return Sheet(commands._owner_name, vertices, indices, tuple(pieces))
+            commands.append(DrawCommand(clip, command.tex_ref.get_tex_id(), command.idx_offset, command.elem_count))
+    return DrawList(listed._owner_name, vertices, indices, tuple(commands))
 
 
 def _bytes_of(buffer: object, item_size: int) -> memoryview | bytes:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from app.window.damage import Piece, Sheet, damage, seen_in
+from app.window.damage import DrawCommand, DrawList, damage, seen_in
 
 SIZE = (400, 300)
 ALL = (0, 0, 400, 300)
@@ -20,33 +20,33 @@ def rectangle(x0, y0, x1, y1, colour=7, part=(0.0, 0.0, 1.0, 1.0)):
     return corners
 
 
-def sheet(*corners, owner="panel", texture=LETTERS, clip=ALL):
+def draw_list(*corners, owner="panel", texture=LETTERS, clip=ALL):
     indices = np.concatenate([np.array([0, 1, 2, 0, 2, 3]) + 4 * place for place in range(len(corners))])
-    piece = Piece(clip, texture, 0, len(indices))
-    return Sheet(owner, np.concatenate(corners), indices.astype(np.uint32), (piece,))
+    command = DrawCommand(clip, texture, 0, len(indices))
+    return DrawList(owner, np.concatenate(corners), indices.astype(np.uint32), (command,))
 
 
 def test_the_same_again_needs_nothing():
-    frame = (sheet(rectangle(10, 10, 20, 20)),)
-    assert damage(frame, (sheet(rectangle(10, 10, 20, 20)),), {}, SIZE) == []
+    frame = (draw_list(rectangle(10, 10, 20, 20)),)
+    assert damage(frame, (draw_list(rectangle(10, 10, 20, 20)),), {}, SIZE) == []
 
 
 def test_what_moved_is_drawn_where_it_was_and_where_it_is():
-    before = (sheet(rectangle(5, 5, 300, 9), rectangle(10, 10, 20, 20)),)
-    now = (sheet(rectangle(5, 5, 300, 9), rectangle(50, 10, 60, 20)),)
+    before = (draw_list(rectangle(5, 5, 300, 9), rectangle(10, 10, 20, 20)),)
+    now = (draw_list(rectangle(5, 5, 300, 9), rectangle(50, 10, 60, 20)),)
     assert sorted(damage(before, now, {}, SIZE)) == [(10, 10, 20, 20), (50, 10, 60, 20)]
 
 
 def test_half_pixels_are_drawn_whole():
-    before = (sheet(rectangle(10.5, 10.5, 20.5, 20.5)),)
-    now = (sheet(rectangle(10.5, 10.5, 20.5, 20.5, colour=8)),)
+    before = (draw_list(rectangle(10.5, 10.5, 20.5, 20.5)),)
+    now = (draw_list(rectangle(10.5, 10.5, 20.5, 20.5, colour=8)),)
     assert damage(before, now, {}, SIZE) == [(10, 10, 21, 21)]
 
 
 def test_more_letters_leave_those_before_and_after_them_alone():
     first, last = rectangle(0, 0, 10, 10), rectangle(200, 200, 210, 210)
-    before = (sheet(first, rectangle(20, 0, 30, 10), last),)
-    now = (sheet(first, rectangle(20, 0, 30, 10, colour=9), rectangle(40, 0, 50, 10), last),)
+    before = (draw_list(first, rectangle(20, 0, 30, 10), last),)
+    now = (draw_list(first, rectangle(20, 0, 30, 10, colour=9), rectangle(40, 0, 50, 10), last),)
     found = damage(before, now, {}, SIZE)
     assert (min(rect[0] for rect in found), min(rect[1] for rect in found)) == (20, 0)
     assert (max(rect[2] for rect in found), max(rect[3] for rect in found)) == (50, 10)
@@ -54,31 +54,31 @@ def test_more_letters_leave_those_before_and_after_them_alone():
 
 def test_nothing_is_drawn_beyond_the_clip():
     clip = (0, 0, 15, 300)
-    before = (sheet(rectangle(10, 10, 20, 20), clip=clip),)
-    assert damage(before, (sheet(rectangle(10, 10, 20, 20, colour=8), clip=clip),), {}, SIZE) == [(10, 10, 15, 20)]
+    before = (draw_list(rectangle(10, 10, 20, 20), clip=clip),)
+    assert damage(before, (draw_list(rectangle(10, 10, 20, 20, colour=8), clip=clip),), {}, SIZE) == [(10, 10, 15, 20)]
 
 
 def test_a_window_that_comes_or_goes_is_drawn_where_it_lies():
-    panel, tip = sheet(rectangle(0, 0, 400, 300)), sheet(rectangle(30, 30, 60, 40), owner="tip")
+    panel, tip = draw_list(rectangle(0, 0, 400, 300)), draw_list(rectangle(30, 30, 60, 40), owner="tip")
     assert damage((panel,), (panel, tip), {}, SIZE) == [(30, 30, 60, 40)]
     assert damage((panel, tip), (panel,), {}, SIZE) == [(30, 30, 60, 40)]
 
 
 def test_windows_that_change_their_order_are_drawn_whole():
-    one, two = sheet(rectangle(0, 0, 9, 9), owner="one"), sheet(rectangle(5, 5, 20, 20), owner="two")
+    one, two = draw_list(rectangle(0, 0, 9, 9), owner="one"), draw_list(rectangle(5, 5, 20, 20), owner="two")
     assert damage((one, two), (two, one), {}, SIZE) == [ALL]
 
 
 def test_windows_of_one_name_are_drawn_whole():
-    first, second = sheet(rectangle(10, 10, 20, 20)), sheet(rectangle(50, 10, 60, 20))
-    other = sheet(rectangle(10, 10, 20, 20, colour=8))
+    first, second = draw_list(rectangle(10, 10, 20, 20)), draw_list(rectangle(50, 10, 60, 20))
+    other = draw_list(rectangle(10, 10, 20, 20, colour=8))
     assert damage((first, second), (other, second), {}, SIZE) == [ALL]
 
 
 def test_another_texture_or_clip_is_drawn_though_the_corners_are_the_same():
-    before = (sheet(rectangle(10, 10, 20, 20)),)
-    assert damage(before, (sheet(rectangle(10, 10, 20, 20), texture=PICTURE),), {}, SIZE) == [(10, 10, 20, 20)]
-    found = damage(before, (sheet(rectangle(10, 10, 20, 20), clip=(0, 0, 12, 300)),), {}, SIZE)
+    before = (draw_list(rectangle(10, 10, 20, 20)),)
+    assert damage(before, (draw_list(rectangle(10, 10, 20, 20), texture=PICTURE),), {}, SIZE) == [(10, 10, 20, 20)]
+    found = damage(before, (draw_list(rectangle(10, 10, 20, 20), clip=(0, 0, 12, 300)),), {}, SIZE)
     assert min(rect[0] for rect in found) == 10
     assert max(rect[2] for rect in found) == 20
 
@@ -86,8 +86,8 @@ def test_another_texture_or_clip_is_drawn_though_the_corners_are_the_same():
 def test_a_picture_with_other_contents_is_drawn_though_something_else_of_its_window_has_changed_too():
     def frame(colour):
         letters, picture = rectangle(5, 5, 9, 9, colour=colour), rectangle(100, 100, 200, 200)
-        pieces = Piece(ALL, LETTERS, 0, 6), Piece(ALL, PICTURE, 6, 6)
-        return (Sheet("panel", np.concatenate([letters, picture]), sheet(letters, picture).indices, pieces),)
+        commands = DrawCommand(ALL, LETTERS, 0, 6), DrawCommand(ALL, PICTURE, 6, 6)
+        return (DrawList("panel", np.concatenate([letters, picture]), draw_list(letters, picture).indices, commands),)
 
     assert sorted(damage(frame(7), frame(8), {PICTURE: (0.0, 0.0, 1.0, 1.0)}, SIZE)) == [
         (5, 5, 9, 9),
@@ -96,7 +96,7 @@ def test_a_picture_with_other_contents_is_drawn_though_something_else_of_its_win
 
 
 def test_a_texture_with_other_contents_is_drawn_where_it_is_seen():
-    frame = (sheet(rectangle(100, 100, 200, 200), texture=PICTURE),)
+    frame = (draw_list(rectangle(100, 100, 200, 200), texture=PICTURE),)
     assert damage(frame, frame, {PICTURE: (0.0, 0.0, 1.0, 1.0)}, SIZE) == [(100, 100, 200, 200)]
     assert damage(frame, frame, {LETTERS: (0.0, 0.0, 1.0, 1.0)}, SIZE) == []
 
@@ -106,7 +106,7 @@ def test_a_texture_with_other_contents_is_drawn_where_it_is_seen():
     [((0.0, 0.0, 1.0, 1.0), 124, 151), ((0.5, 0.0, 1.0, 1.0), 100, 101), ((1.0, 0.0, 0.0, 1.0), 100, 200)],
 )
 def test_only_the_part_of_a_texture_that_changed_is_drawn_unless_it_is_mirrored(seen, left, right):
-    frame = (sheet(rectangle(100, 100, 200, 200, part=seen), texture=PICTURE),)
+    frame = (draw_list(rectangle(100, 100, 200, 200, part=seen), texture=PICTURE),)
     (rect,) = damage(frame, frame, {PICTURE: (0.25, 0.0, 0.5, 1.0)}, SIZE)
     assert (rect[0], rect[2]) == (left, right)
 
@@ -114,8 +114,8 @@ def test_only_the_part_of_a_texture_that_changed_is_drawn_unless_it_is_mirrored(
 def test_many_small_places_become_few_that_hold_them_all():
     spots = [rectangle(20 * place, 7 * place, 20 * place + 3, 7 * place + 3) for place in range(20)]
     lit = [rectangle(20 * place, 7 * place, 20 * place + 3, 7 * place + 3, colour=8) for place in range(20)]
-    before = tuple(sheet(spot, owner=str(place)) for place, spot in enumerate(spots))
-    now = tuple(sheet(spot, owner=str(place)) for place, spot in enumerate(lit))
+    before = tuple(draw_list(spot, owner=str(place)) for place, spot in enumerate(spots))
+    now = tuple(draw_list(spot, owner=str(place)) for place, spot in enumerate(lit))
     found = damage(before, now, {}, SIZE)
     assert len(found) <= 8
     for place in range(20):
@@ -137,9 +137,9 @@ def test_random_frames_never_miss_a_pixel_that_differs():
             pixels[y0:y1, x0:x1] = pixels[y0:y1, x0:x1] * 5 % 97 + colour
         return pixels
 
-    def sheets(frame):
+    def draw_lists(frame):
         return tuple(
-            sheet(*(rectangle(*spot[:4], colour=spot[4]) for spot in spots), owner=str(place), clip=(0, 0, 50, 50))
+            draw_list(*(rectangle(*spot[:4], colour=spot[4]) for spot in spots), owner=str(place), clip=(0, 0, 50, 50))
             for place, spots in enumerate(frame)
         )
 
@@ -147,23 +147,23 @@ def test_random_frames_never_miss_a_pixel_that_differs():
         before, now = [[some() for _ in range(random.integers(1, 4))] for _ in range(2)]
         now = [old if random.random() < 0.5 else new for old, new in zip(before, now, strict=False)]
         differs = painted(before) != painted(now)
-        for x0, y0, x1, y1 in damage(sheets(before), sheets(now), {}, (50, 50)):
+        for x0, y0, x1, y1 in damage(draw_lists(before), draw_lists(now), {}, (50, 50)):
             differs[y0:y1, x0:x1] = False
         assert not differs.any()
 
 
 def test_what_lies_under_an_opaque_picture_is_not_drawn():
-    under = sheet(rectangle(0, 0, 400, 300), owner="under")
-    picture = sheet(rectangle(50, 50, 250, 250), owner="picture", texture=PICTURE)
-    over = sheet(rectangle(60, 60, 70, 70), owner="over")
-    sheets = (under, picture, over)
-    pieces, hides = seen_in((60, 60, 100, 100), sheets, {PICTURE})
-    assert ([index for index, _, _ in pieces], hides) == ([1, 2], True)
-    pieces, hides = seen_in((40, 60, 100, 100), sheets, {PICTURE})
-    assert ([index for index, _, _ in pieces], hides) == ([0, 1, 2], False)
-    pieces, hides = seen_in((60, 60, 100, 100), sheets, set())
-    assert ([index for index, _, _ in pieces], hides) == ([0, 1, 2], False)
-    corner = Piece(ALL, PICTURE, 0, 3)
-    half = Sheet("picture", picture.vertices, picture.indices, (corner,))
-    pieces, hides = seen_in((60, 60, 100, 100), (under, half), {PICTURE})
-    assert ([index for index, _, _ in pieces], hides) == ([0, 1], False)
+    under = draw_list(rectangle(0, 0, 400, 300), owner="under")
+    picture = draw_list(rectangle(50, 50, 250, 250), owner="picture", texture=PICTURE)
+    over = draw_list(rectangle(60, 60, 70, 70), owner="over")
+    draw_lists = (under, picture, over)
+    commands, hides = seen_in((60, 60, 100, 100), draw_lists, {PICTURE})
+    assert ([index for index, _, _ in commands], hides) == ([1, 2], True)
+    commands, hides = seen_in((40, 60, 100, 100), draw_lists, {PICTURE})
+    assert ([index for index, _, _ in commands], hides) == ([0, 1, 2], False)
+    commands, hides = seen_in((60, 60, 100, 100), draw_lists, set())
+    assert ([index for index, _, _ in commands], hides) == ([0, 1, 2], False)
+    corner = DrawCommand(ALL, PICTURE, 0, 3)
+    half = DrawList("picture", picture.vertices, picture.indices, (corner,))
+    commands, hides = seen_in((60, 60, 100, 100), (under, half), {PICTURE})
+    assert ([index for index, _, _ in commands], hides) == ([0, 1], False)
