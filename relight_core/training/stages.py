@@ -46,18 +46,19 @@ class Stage:
     """One stage.
 
     Attributes:
-        name: by which a run that goes on knows it again.
-        trains: names of the networks it changes.
+        name: as in recipes, and in the state of a run that is resumed.
+        trains: names of the networks whose weights it changes.
         losses: (bundle, reflection table, batch of pairs) -> loss terms.
         photographs, relief_shadow: what its samples need (see `dataset.stream.SampleStream`).
         learning_rate: the peak of its schedule.
-        distilled: its batches are what the wide pair of networks says (see `training.distillation`).
+        distilled: its ground truth is the wide pair's output (see `training.distillation`).
         samples: "pairs" of lights, or single photos with "outlines" (see `dataset.cutouts.outlines`) or with shadows
             of "gobos" (see `dataset.gobo_photos`).
-        settled: its networks come from another stage with running statistics that hold, and are normalised by those.
-        recordable: its losses ask the host for nothing, so that a GPU can play its steps back (`training.step`).
-        prepare: (bundle, reflection table, batch of pairs) -> what `losses` gets in the batch's place. It depends on
-            nothing that the stage changes and carries no gradient, so it is done ahead of the step.
+        settled: batch normalisation uses the running statistics, which earlier stages have made reliable.
+        recordable: its losses never synchronise with the host, so that a step can be replayed as CUDA graphs
+            (`training.step`).
+        prepare: (bundle, reflection table, batch of pairs) -> what `losses` gets instead of the batch. It depends on
+            nothing that the stage changes and carries no gradient, so it runs ahead of the step.
     """
 
     name: str
@@ -73,9 +74,9 @@ class Stage:
     prepare: Callable[[NetworkBundle, ReflectionTable, Batch], Batch] | None = None
 
     def learners(self, config: BundleConfig) -> tuple[str, ...]:
-        """What of `trains` its losses reach: SS is out where composition learns as well and is told nothing of it."""
-        unheard = "composition" in self.trains and not config.composition.effects
-        return tuple(name for name in self.trains if not (unheard and name == "specular_shadow"))
+        """The networks of `trains` that its losses depend on: without SS if composition is trained and ignores SS."""
+        ignores_effects = "composition" in self.trains and not config.composition.effects
+        return tuple(name for name in self.trains if not (ignores_effects and name == "specular_shadow"))
 
 
 def _warm_delight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
@@ -114,10 +115,10 @@ def _relit_from_photo(
     """Losses of every photo relit with the other light of its pair, on predicted albedo and normal.
 
     Args:
-        hinted: relief, its shadow and the parsing are found ones, too. Else they are the true ones: albedo and
-            normals are not to make up for what a relief lacks.
-        levelled_share: of the photos, whose albedo is brought to the truth's level first. How bright it is, nobody
-            can know, and the error of guessing it drowns that of shading left in half a face.
+        hinted: relief, its shadow and the parsing are the predicted ones, too. Otherwise they are the true ones, so
+            that albedo and normals don't learn to compensate for errors of the relief.
+        levelled_share: share of the photos whose albedo is brought to the truth's level first. The level can't be
+            known, and its error drowns that of shading left in half a face.
     """
     size = surface_size(bundle, batch["photo_srgb"])
     lit = {name: value for name, value in batch.items() if name not in ("photo_srgb", "normal")}
@@ -133,10 +134,10 @@ def _relit_from_photo(
 
 
 def _relit(bundle: NetworkBundle, table: ReflectionTable, flat: Batch, *, apart: bool = False) -> Losses:
-    """Losses of both relighting networks on what was found.
+    """Losses of both relighting networks on a predicted surface.
 
     Args:
-        apart: composition learns on the effects as they are, and SS nothing from the picture.
+        apart: no gradient flows from the picture through the effects into SS.
     """
     flat = with_reflected(table, flat)
     effects, losses = None, {}
@@ -155,7 +156,7 @@ def _tune_delight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch, r
 
 
 def _tune_on_predictions(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
-    """The paper's own fine-tuning: the albedo, too, is de-lighting's, and so is all else that is found."""
+    """The paper's fine-tuning: everything is predicted by de-lighting, including the albedo."""
     with torch.no_grad():
         found = bundle.delight(batch["photo_srgb"].flatten(0, 1).contiguous(memory_format=torch.channels_last))
         found.normal = F.normalize(found.normal, dim=1, eps=1e-4)
@@ -170,41 +171,104 @@ def _foreign_shadow(bundle: NetworkBundle, table: ReflectionTable, batch: Batch)
     return foreign_shadow_losses(bundle.foreign_shadow, batch)
 
 
+_RELIGHTING = ("specular_shadow", "composition")
+
 _STAGES = (
-    Stage("warm-delight", ("delight",), _warm_delight, True, False, 1.5e-3, recordable=True),
-    Stage("warm-specular-shadow", ("specular_shadow",), _warm_specular_shadow, False, True, 2e-3),
-    Stage("warm-composition", ("composition",), _warm_composition, False, False, 2e-3),
-    Stage("warm-relight", ("specular_shadow", "composition"), _warm_relight, False, True, 2e-3),
-    Stage("tune-delight", ("delight",), _tune_delight, True, True, 2e-4, settled=True, recordable=True),
+    Stage(
+        "warm-delight",
+        ("delight",),
+        _warm_delight,
+        photographs=True,
+        relief_shadow=False,
+        learning_rate=1.5e-3,
+        recordable=True,
+    ),
+    Stage(
+        "warm-specular-shadow",
+        ("specular_shadow",),
+        _warm_specular_shadow,
+        photographs=False,
+        relief_shadow=True,
+        learning_rate=2e-3,
+    ),
+    Stage(
+        "warm-composition",
+        ("composition",),
+        _warm_composition,
+        photographs=False,
+        relief_shadow=False,
+        learning_rate=2e-3,
+    ),
+    Stage("warm-relight", _RELIGHTING, _warm_relight, photographs=False, relief_shadow=True, learning_rate=2e-3),
+    Stage(
+        "tune-delight",
+        ("delight",),
+        _tune_delight,
+        photographs=True,
+        relief_shadow=True,
+        learning_rate=2e-4,
+        settled=True,
+        recordable=True,
+    ),
     Stage(
         "tune-delight-strongly",
         ("delight",),
         partial(_tune_delight, relit_weight=3.0),
-        True,
-        True,
-        4e-4,
+        photographs=True,
+        relief_shadow=True,
+        learning_rate=4e-4,
         settled=True,
         recordable=True,
     ),
     Stage(
         "tune-relight",
-        ("specular_shadow", "composition"),
+        _RELIGHTING,
         partial(_relit, apart=True),
-        True,
-        False,
-        1e-3,
+        photographs=True,
+        relief_shadow=False,
+        learning_rate=1e-3,
         settled=True,
         prepare=on_predicted_surface,
     ),
     Stage(
-        "tune-on-predictions", ("specular_shadow", "composition"), _tune_on_predictions, True, True, 2e-4, settled=True
+        "tune-on-predictions",
+        _RELIGHTING,
+        _tune_on_predictions,
+        photographs=True,
+        relief_shadow=True,
+        learning_rate=2e-4,
+        settled=True,
     ),
-    Stage("distil-relight", ("narrow",), distillation_losses, True, False, 1e-3, distilled=True),
-    Stage("outline", ("person",), _outline, True, False, 1.5e-3, samples="outlines"),
-    Stage("foreign-shadow", ("foreign_shadow",), _foreign_shadow, True, False, 1.5e-3, samples="gobos"),
+    Stage(
+        "distil-relight",
+        ("narrow",),
+        distillation_losses,
+        photographs=True,
+        relief_shadow=False,
+        learning_rate=1e-3,
+        distilled=True,
+    ),
+    Stage(
+        "outline",
+        ("person",),
+        _outline,
+        photographs=True,
+        relief_shadow=False,
+        learning_rate=1.5e-3,
+        samples="outlines",
+    ),
+    Stage(
+        "foreign-shadow",
+        ("foreign_shadow",),
+        _foreign_shadow,
+        photographs=True,
+        relief_shadow=False,
+        learning_rate=1.5e-3,
+        samples="gobos",
+    ),
 )
 
 STAGES = {stage.name: stage for stage in _STAGES}
-"""By name, in the order they are run. "warm-relight" does the second and third warm-up in one pass over
-the data, which is what a CPU has time for; "tune-on-predictions" is the paper's form of "tune-relight", and
-"tune-delight" that of "tune-delight-strongly", in which the relit picture counts three times."""
+"""By name, in the order they are run. "warm-relight" does the second and third warm-up in one pass over the data, to
+save time on a CPU; "tune-on-predictions" is the paper's form of "tune-relight", and "tune-delight" that of
+"tune-delight-strongly", in which the relit picture has three times the weight."""
