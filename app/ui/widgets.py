@@ -112,16 +112,16 @@ def _title_row(state: EditorState, spec: Slider, value: float) -> float:
 
 
 def begin_typing(state: EditorState, label: str) -> None:
-    """Let the number of a slider, a swatch's colour or a line of `keyboard_for` be typed from the next frame on.
+    """Start typing a slider's number, a swatch's colour or a line of `keyboard_for` in the next frame.
 
-    Nothing comes of it where that is not drawn.
+    It has no effect if the control with this label is not drawn then (see `forget_lost_typing`).
     """
     state.typing, state.typing_began, state.typing_seen = label, True, True
 
 
 @contextmanager
 def keyboard_for(state: EditorState, label: str) -> Iterator[None]:
-    """Around a line that can always be typed in: it gets the keyboard once that is asked for by this label."""
+    """Around a line that can always be typed in: gives it the keyboard after `begin_typing` with this label."""
     if state.typing == label:
         state.typing_seen = True
         imgui.set_keyboard_focus_here()
@@ -131,7 +131,7 @@ def keyboard_for(state: EditorState, label: str) -> Iterator[None]:
 
 
 def forget_lost_typing(state: EditorState) -> None:
-    """At a frame's end: a slider that is no longer drawn, as of a lamp that was deleted, is not typed at any more."""
+    """At the end of a frame: stop typing into a control that was not drawn, such as one of a deleted lamp."""
     if not state.typing_seen:
         state.typing = None
     state.typing_seen = False
@@ -145,7 +145,7 @@ def _typed(state: EditorState, spec: Slider, value: float) -> float:
     began = _typing_begins(state)
     _, new = imgui.input_float("##typed", value, 0.0, 0.0, _TYPED_FORM, _TYPED_FLAGS)
     imgui.pop_style_var()
-    # A number that was left as it stood must not be rounded to what is shown of it, nor moved onto the track.
+    # A number that was not changed must neither be rounded to the digits shown nor be clamped to the track.
     untouched = new != new or _TYPED_FORM % new == _TYPED_FORM % value
     if _typing_is_done(state, began) and not untouched:
         value = spec.taken(new)
@@ -153,7 +153,7 @@ def _typed(state: EditorState, spec: Slider, value: float) -> float:
 
 
 def _typing_begins(state: EditorState) -> bool:
-    """Before the line that is typed in: whether the keyboard is asked for it in this frame."""
+    """To be called before the input line; whether it asks for the keyboard in this frame."""
     state.typing_seen = True
     if state.typing_began:
         imgui.set_keyboard_focus_here()
@@ -161,15 +161,15 @@ def _typing_begins(state: EditorState) -> bool:
 
 
 def _typing_is_done(state: EditorState, began: bool) -> bool:
-    """After the line that is typed in: whether what stands there counts, as it does not after Esc; Tab is as Enter.
+    """To be called after the input line; whether its text was accepted, by Enter, Tab or a click elsewhere, not Esc.
 
     Args:
-        began: the keyboard was asked for before this line.
+        began: what `_typing_begins` returned.
     """
     if imgui.is_item_active() and imgui.is_key_pressed(imgui.Key.tab, False):
         for down in (True, False):
             imgui.get_io().add_key_event(imgui.Key.enter, down)
-    # The keyboard is had some frames after it was asked for, of a panel that is just coming into sight later still.
+    # The line gets the keyboard only some frames after asking for it, later still in a panel that is just opening.
     state.typing_began = began and not imgui.is_item_active()
     is_left = not began and imgui.is_item_deactivated()
     if is_left or not (began or imgui.is_item_active() or imgui.is_item_focused()):
@@ -178,10 +178,13 @@ def _typing_is_done(state: EditorState, began: bool) -> bool:
 
 
 def typed_colour(state: EditorState, colour: Sequence[float]) -> tuple[float, ...] | None:
-    """In place of a swatch while `state.typing` is its label: a line for "#rrggbb"; the colour once one is typed.
+    """A line to type "#rrggbb" in, drawn in place of a swatch while `state.typing` is its label.
 
     Args:
-        colour: what stands there at first; red, green and blue in [0, 1], as what is returned.
+        colour: red, green and blue in [0, 1] that the line begins with.
+
+    Returns:
+        The colour that was typed, likewise; None as long as there is none.
     """
     shown = hex_of(colour)
     imgui.set_next_item_width(imgui.get_content_region_avail().x)
@@ -197,7 +200,10 @@ def typed_colour(state: EditorState, colour: Sequence[float]) -> tuple[float, ..
 
 
 def hex_of(colour: Sequence[float]) -> str:
-    """Red, green and blue in [0, 1] as "#rrggbb"; a brighter one, as a light's own lamp may have, as far as fits."""
+    """Red, green and blue in [0, 1] as "#rrggbb".
+
+    A brighter colour, as a light's own lamp may have, is scaled down until it fits.
+    """
     brightest = max(1.0, *colour)
     return "#" + "".join(f"{round(value / brightest * 255):02x}" for value in colour)
 
@@ -240,12 +246,12 @@ def _held(state: EditorState, spec: Slider, value: float, start: float, length: 
 
 
 def _along(spec: Slider, value: float) -> float:
-    """Where a value's knob is, from 0 at the track's left end to 1; files may hold more than the track has."""
+    """The knob's position from 0 to 1 along the track; values from files may lie beyond the track's ends."""
     return (min(max(value, spec.low), spec.high) - spec.low) / (spec.high - spec.low)
 
 
 def _snapped(spec: Slider, value: float) -> float:
-    """The value, or the resting point where it is within a hundredth of the track."""
+    """The value, or the resting value if that is less than a hundredth of the track away."""
     return spec.rest if abs(value - spec.rest) < 0.01 * (spec.high - spec.low) else value
 
 

@@ -240,7 +240,10 @@ def _meter_words(state: EditorState) -> str:
 
 
 def _gel(state: EditorState, colour: tuple[float, float, float] | None) -> tuple[float, float, float] | None:
-    """A coloured gel instead of a temperature."""
+    """The choice of a coloured gel instead of a temperature; None for no gel.
+
+    The picker's numbers are taken as linear Rec.709 (`SoftBox.colour`), although its swatch is drawn with them as sRGB.
+    """
     white = (1.0, 1.0, 1.0)
     if state.typing == GEL:
         return widgets.typed_colour(state, colour or white) or colour

@@ -17,10 +17,13 @@ from relight_core.lighting.soft_box import box_title, corners, moved_to, outline
 from relight_core.lighting.sphere import direction_at, turned, uv_of
 
 FINE = 0.2
+"""Factor on the rotation while Shift is held."""
 
 _NEW_AT = ((0.125, 0.3), (0.875, 0.3), (0.375, 0.3), (0.625, 0.3))
-"""Where new soft boxes are put, all of them above: in front to the left and to the right, then behind."""
+"""Where new soft boxes are put, u and v as seen: above at the front left and right, then behind the person."""
+
 _TAKEN_DEG = 20.0
+"""A place within this angle of a soft box counts as taken."""
 
 _COMPASS = ((0.0, "front"), (0.25, "left"), (0.5, "behind"), (0.75, "right"), (1.0, "front"))
 _REACH_EM, _KNOB_EM, _COMPASS_EM = 0.6, 0.27, 12.0
@@ -36,14 +39,14 @@ def draw(state: EditorState, pictures: Pictures) -> None:
     u, v = (io.mouse_pos.x - left.x) / width, (io.mouse_pos.y - left.y) / height
     reach_deg = _REACH_EM * imgui.get_font_size() * 180.0 / height
     if imgui.is_item_hovered():
-        _point(state, u, v, reach_deg)
+        _hover(state, u, v, reach_deg)
     else:
         state.hint_spent = False
-    _hold(state, u, v, io.mouse_delta.x / width, reach_deg)
+    _drag(state, u, v, io.mouse_delta.x / width, reach_deg)
     _picture(state, pictures, left, width, height)
     for index in range(len(state.light_edit.boxes)):
         _box(state, index, left, width, height)
-    _what_comes(state, left, height)
+    _loading_note(state, left, height)
     _compass(left, width, height)
 
 
@@ -59,7 +62,7 @@ def add_box(state: EditorState, u: float, v: float) -> None:
 
 
 def add_next_box(state: EditorState) -> None:
-    """A new soft box where the light has none yet, selected; where all places are taken, at the first."""
+    """Add a soft box at the first of the usual places that is free, or at the first one, and select it."""
 
     def is_taken(place: tuple[float, float]) -> bool:
         toward = turned(direction_at(*place), -state.edit.yaw_deg)
@@ -68,7 +71,8 @@ def add_next_box(state: EditorState) -> None:
     add_box(state, *next((place for place in _NEW_AT if not is_taken(place)), _NEW_AT[0]))
 
 
-def _point(state: EditorState, u: float, v: float, reach_deg: float) -> None:
+def _hover(state: EditorState, u: float, v: float, reach_deg: float) -> None:
+    """The cursor and tooltip for what is under the mouse; right clicks delete a soft box, double clicks add one."""
     found = grab(state.light_edit.boxes, state.selected_box, u, v, state.edit.yaw_deg, reach_deg)
     turn = imgui.MouseCursor_.resize_ew
     imgui.set_mouse_cursor(
@@ -96,14 +100,18 @@ def _explain(state: EditorState, found: Grab) -> None:
         imgui.set_item_tooltip(f"{title}\nDrag to move it, a corner to resize it. Right-click to delete it.")
 
 
-def _hold(state: EditorState, u: float, v: float, moved: float, reach_deg: float) -> None:
-    """Press, drag and release on the panorama."""
+def _drag(state: EditorState, u: float, v: float, moved: float, reach_deg: float) -> None:
+    """Press, drag and release on the panorama.
+
+    Args:
+        moved: by what part of the panorama's width the mouse has moved since the last frame.
+    """
     if imgui.is_item_activated() and not imgui.is_mouse_double_clicked(0):
         state.held = grab(state.light_edit.boxes, state.selected_box, u, v, state.edit.yaw_deg, reach_deg)
     if state.held is not None and not state.held.is_among(state.light_edit.boxes):
         state.held = None
     if state.held is not None and state.typing is None:
-        # A number that is being typed is for the box before; in the next frame it is there.
+        # A number that is being typed belongs to the box selected before, which takes it in this frame.
         state.selected_box = state.held.index
     if not imgui.is_item_active() or state.held is None:
         state.held = None
@@ -131,7 +139,10 @@ def _picture(state: EditorState, pictures: Pictures, left: imgui.ImVec2, width: 
 
 
 def _box(state: EditorState, index: int, left: imgui.ImVec2, width: float, height: float) -> None:
-    """A box's outline, and the corners of the selected one; drawn three times, so that the seam cuts none."""
+    """A soft box's outline, and knobs at the corners of the selected one.
+
+    Drawn three times, one panorama's width apart, so that it continues across the seam.
+    """
     box, selected = state.light_edit.boxes[index], index == state.selected_box
     draw_list = imgui.get_window_draw_list()
     draw_list.push_clip_rect(left, imgui.ImVec2(left.x + width, left.y + height), True)
@@ -148,7 +159,11 @@ def _box(state: EditorState, index: int, left: imgui.ImVec2, width: float, heigh
 
 
 def _unwrapped(directions: np.ndarray, yaw_deg: float) -> list[tuple[float, float]]:
-    """The points of a closed line on the panorama as it is seen, with no jump at the seam, the first one again last."""
+    """A closed line's points (u, v) on the panorama as it is seen, without a jump at the seam.
+
+    Args:
+        directions: (n, 3); the first one is repeated at the end.
+    """
     points: list[tuple[float, float]] = []
     for direction in [*directions, directions[0]]:
         u, v = uv_of(direction)
@@ -158,8 +173,8 @@ def _unwrapped(directions: np.ndarray, yaw_deg: float) -> list[tuple[float, floa
     return points
 
 
-def _what_comes(state: EditorState, left: imgui.ImVec2, height: float) -> None:
-    """What is done about a light that was asked for and is not there yet."""
+def _loading_note(state: EditorState, left: imgui.ImVec2, height: float) -> None:
+    """What the engine is doing, while a light that was asked for is not there yet."""
     light, activity, em = state.snapshot.light, state.snapshot.activity, imgui.get_font_size()
     if activity and light is not None and not state.light.same_as(light.source):
         note(f"{activity}…", left.x + 0.4 * em, left.y + height - 1.9 * em)
