@@ -1,4 +1,4 @@
-"""The samples of the foreign-shadow network: a photo with a gobo's shadow on it, and what that keeps away."""
+"""The samples of the foreign-shadow network: a photo with a gobo's shadow, and how much light the shadow blocks."""
 
 from __future__ import annotations
 
@@ -25,23 +25,23 @@ from relight_core.imaging.tensor_logs import log_ratios
 _LIGHTS_PER_HEAD, _SUNS_PER_HEAD, _PAINTS_PER_HEAD, _SAMPLES_PER_PAINT = 4, 2, 3, 64
 _SHADOWED_SHARE, _WILD_SHARE, _BEHIND_SHARE = 0.65, 0.1, 0.5
 _DEEPEST, _FAINTEST = 0.05, 0.6
-"""What of the light is left in a shadow."""
+"""Smallest and largest share of the light that is left in a shadow."""
 _BLUER = np.array([-1.0, 0.0, 1.0], np.float32)
-"""Shadows outdoors are lit by the sky."""
+"""Direction of the tint in logarithms of RGB: shadows outdoors are lit by the sky."""
 _LIT_QUANTILE = 0.95
 _PARSING_BLUR = (-2.8, -1.9)
-"""Deviation of it, powers of ten of the view's side."""
+"""Standard deviation of the labels' blur over the view's side, as powers of ten."""
 _TINT, _BLUENESS = 0.1, 0.15
 
 
 @dataclass(frozen=True)
 class PaintedHead:
-    """One person in a few paints and lights.
+    """One head in several paints and lights.
 
     Attributes:
-        radiance: (paints, lights, S, S, 3) half precision, of white's mean 1 under each light.
-        lights: (lights, 16, 32, 3), suns first.
-        channels: the channels that no light changes, as of `dataset.samples`, as far as they are asked for here.
+        radiance: (paints, lights, S, S, 3) float16 linear, scaled so that a white head has mean 1 under each light.
+        lights: (lights, 16, 32, 3) linear radiance, suns first.
+        channels: those channels of `dataset.samples` that do not depend on the light and are needed here.
     """
 
     radiance: np.ndarray
@@ -50,12 +50,17 @@ class PaintedHead:
 
 
 class GoboStream(SampleStream):
-    """Single photos of lit heads, two of three with the shadow of something between one of two lights and the head.
+    """Single photos of heads under two lights, two in three with a gobo between one of the lights and the head.
 
-    Each item is a dict of tensors: "photo_srgb" (3, S, S); "kinds" (4, S, S), the true `face.parsing.KINDS` with edges
-    as soft as a parsing's; "foreign_shadow" (3, S, S), logs of the exposed picture over the same without the shadow, as
-    far as the camera records both, 0 where most is lit and off the head; "person" (1, S, S), 1 on it.
-    A head's own shadows are none, as sharp as sun makes them: de-lighting knows those.
+    Each item is a dict of tensors:
+
+    - "photo_srgb" (3, S, S);
+    - "kinds" (4, S, S): the true `face.parsing.KINDS`, blurred like a predicted parsing;
+    - "foreign_shadow" (3, S, S): natural logarithm of the exposed picture over the same without the shadow, both
+      clipped as the camera clips them; 0 for fully lit pixels and outside the head;
+    - "person" (1, S, S): 1 on the head.
+
+    A head's own shadows, as sharp as a sun makes them, are not foreign: de-lighting handles those.
     """
 
     def __init__(self, folder: Path, lights: Path, split: str, size: int, seed: int, **where: int):
@@ -95,7 +100,7 @@ class GoboStream(SampleStream):
         lamp += lamp >= sky
         key, fill = (head.radiance[paint_number, k].astype(np.float32) for k in (lamp, sky))
         left = np.exp(rng.uniform(np.log(_DEEPEST), np.log(_FAINTEST)))
-        # What of the lamp comes back from all around lights the shadow too.
+        # Part of the lamp's light is reflected by the surroundings into the shadow.
         stray = rng.uniform(0, 0.7)
         tint = np.exp(rng.normal(0, _TINT, 3) + rng.uniform(0, _BLUENESS) * _BLUER).astype(np.float32)
         always = left * tint * ((1 - stray) * fill + stray * key)
@@ -108,7 +113,7 @@ class GoboStream(SampleStream):
 def _photographed(
     channels: dict[str, np.ndarray], pool: TexturePool, rng: np.random.Generator
 ) -> dict[str, torch.Tensor]:
-    """A photo of a head with a shadow on it, and what that does to the head."""
+    """A photo of a head with or without a foreign shadow, as an item of `GoboStream`."""
     always, lamp, coverage = (channels[name] for name in ("always", "lamp", "silhouette"))
     size = len(coverage)
     shadowed = rng.random() < _SHADOWED_SHARE
@@ -124,7 +129,7 @@ def _photographed(
     covered = torch.from_numpy(channels["covered"])[..., None]
     foreign = log_ratios(*recorded)
     if covered.any():
-        # Of a head that lies in shadow altogether nobody could tell.
+        # Relative to the lit part of the head: a head that is all in shadow can't be told from a darker exposure.
         foreign = (foreign - foreign[covered[..., 0] > 0].quantile(_LIT_QUANTILE, 0)).clamp_max(0)
     return {
         "photo_srgb": torch.from_numpy(photo).permute(2, 0, 1).contiguous(),
@@ -135,7 +140,7 @@ def _photographed(
 
 
 def _kinds(label: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """(4, S, S) float32, KINDS of labels (S, S), their edges as soft as a parsing's."""
+    """Masks (4, S, S) float32 in [0, 1] of KINDS in labels (S, S), blurred like a predicted parsing."""
     softness_px = len(label) * 10 ** rng.uniform(*_PARSING_BLUR)
     kinds = [np.isin(label, [INDEX[name] for name in names]).astype(np.float32) for names in KINDS]
     return np.stack([cv2.GaussianBlur(kind, (0, 0), softness_px) for kind in kinds])

@@ -1,4 +1,4 @@
-"""From a seed to a baked head: who it is, what it does and wears, where it looks."""
+"""From a seed to a baked head: identity, expression, clothes, gaze and pose."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ class PosedHead:
     """A head before the camera.
 
     Attributes:
-        face_labels: label map of what the scene labels `FROM_FACE_MAP`.
-        rng: goes on to the shadow rays' jitter.
+        face_labels: label map for the parts that the scene labels `FROM_FACE_MAP`.
+        rng: the seed's random generator, which goes on to jitter the shadow rays.
         texture: (T, T, 3) linear albedo of a scan; None where albedo is painted.
     """
 
@@ -60,19 +60,20 @@ class PosedHead:
     texture: np.ndarray | None = None
 
     def bake(self, size: int) -> BakedHead:
-        """Everything that any light needs, as an image of size x size pixels."""
+        """The head's transport for any light, as an image of size x size pixels."""
         head = bake(self.scene, self.framing, self.face_labels, size, self.rng)
         return head if self.texture is None else replace(head, albedo=look_up(self.texture, head.uv))
 
 
 def load_casting(heads: Path, makehuman: Path | None, shares: Shares | None = None) -> Casting | ScanCasting:
-    """Whoever heads are made from: a head model (.npz), dressed from MakeHuman, or a folder of scans.
+    """The source of heads: a head model (.npz), dressed from MakeHuman, or a folder of scans.
 
     Args:
-        shares: of what few dressed heads have; None for the usual ones.
+        shares: how many heads wear the rarer garments; None for the defaults.
 
     Raises:
-        InputError: neither, or damaged, or a wardrobe for scans, which wear what they were scanned in.
+        InputError: neither is there, it is damaged, or a wardrobe is given for scans, which wear what they were scanned
+            in.
     """
     if not heads.is_dir():
         return Casting.load(heads, makehuman, shares)
@@ -100,7 +101,7 @@ class Casting:
         return cls(model, wardrobe, labels, face_vertices(model, labels))
 
     def pose_head(self, seed: int) -> PosedHead:
-        """The person of a seed, dressed, before the camera: the same wherever sources and shares are the same."""
+        """The person of a seed, dressed and posed; the same wherever sources and shares are the same."""
         rng = np.random.default_rng(seed)
         modes = len(self.model.identity)
         identity = np.clip(rng.standard_normal(modes), -_WIDEST_IDENTITY, _WIDEST_IDENTITY)
@@ -120,10 +121,10 @@ class ScanCasting:
     folder: Path
 
     def keep_to_people(self, heads: Path) -> None:
-        """See to it that all heads of a folder are of the same people: among others the splits would be others.
+        """Make sure that all heads of a folder come from the same people, since the splits depend on all of them.
 
         Raises:
-            InputError: the folder has heads of other people, or who they are can't be noted in it.
+            InputError: the folder has heads of other people, or the note on them can't be written.
         """
         note, names = heads / _NAMES, "\n".join(names_of_people(self.folder)).encode(errors="surrogateescape")
         if not note.exists():
@@ -133,7 +134,7 @@ class ScanCasting:
             raise InputError(f"{heads}: its heads are of other people than {self.folder} holds; choose a new folder")
 
     def pose_head(self, seed: int) -> PosedHead:
-        """One scan of the person of a seed, before the camera; people take turns.
+        """One scan of the person of a seed, posed; consecutive seeds take the people in turn.
 
         Raises:
             InputError: the scan can't be read, or nobody is in the seed's split.
@@ -160,7 +161,7 @@ def shard_path(folder: Path, seed: int) -> Path:
 
 
 def bake_missing(casting: Casting | ScanCasting, folder: Path, seeds: range, size: int = 256):
-    """Bake the heads that are not there yet; a killed run goes on where it stopped.
+    """Bake the heads that are not there yet, so that a killed run can be resumed.
 
     Yields:
         The path of each finished head.
@@ -183,9 +184,9 @@ def bake_missing(casting: Casting | ScanCasting, folder: Path, seeds: range, siz
 
 @contextmanager
 def _only_bake(path: Path) -> Iterator[None]:
-    """Remove what a bake that was killed amid writing a head has left beside it, where no other is at that head now.
+    """Remove the unfinished file of a bake that was killed, unless another process is baking the same head now.
 
-    Whoever else is at it is not waited for: both bake the same.
+    That process is not waited for: both bake the same.
     """
     lock, file = path.with_suffix(".lock"), None
     with suppress(OSError):
@@ -203,12 +204,12 @@ def load_split(folder: Path, split: str) -> list[Path]:
     """Paths of the heads of one split that are baked, in order of seed."""
     first = SPLIT_SEEDS[split]
     seeds = ((path, path.stem.removeprefix("head-")) for path in sorted(folder.glob("head-*.npz")))
-    # Copies that a file manager made have names of their own.
+    # Copies made by a file manager have other names.
     return [path for path, seed in seeds if seed.isdecimal() and first <= int(seed) < first + SPLIT_SIZE]
 
 
 def data_mark(heads: Path, lights: Path) -> str:
-    """Tells one training set of heads, painted skins and lights from another by the names and sizes of their files."""
+    """A hash of the names and sizes of all files of a training set: heads, painted skins and lights."""
     skins = heads / SKINS
     beside = [skins] if skins.exists() else []
     files = [*load_split(heads, "train"), *beside, *(panoramas_in(lights) if lights.is_dir() else [lights])]

@@ -1,4 +1,4 @@
-"""What training samples are made of: a lit head, its channels under one light, its mirror image."""
+"""The parts of training samples: a lit head, its channels under one light, mirroring."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.lighting.relief import march_relief
 
 RELIEF_SIZE = 64
-"""Side at which reliefs are marched; shadows wider than a few pixels survive it, SS sharpens the rest."""
+"""Side in pixels at which reliefs are marched; it keeps shadows wider than a few pixels, and SS sharpens them."""
 
 ON_THE_HEAD = ("albedo", "relief", "image", "specular", "shadow", "shadow_fraction", "gloss_fraction")
-"""Channels that are 0 outside the head: of a pixel at its outline, only the head's part has a say in them."""
+"""Channels that are 0 outside the head; averages over a pixel at its outline count only the head's part."""
 
 _GREY = REC709_LUMINANCE.astype(np.float32)
 _MIRRORED_LABELS = np.array(MIRRORED, np.uint8)
@@ -29,14 +29,15 @@ _MIRRORED_LABELS = np.array(MIRRORED, np.uint8)
 
 @dataclass(frozen=True)
 class LitHead:
-    """A head under K lights, before paint and camera; what several samples share.
+    """A head under K lights, before it is painted and photographed; several samples share it.
 
     Attributes:
-        lights: (K, 16, 32, 3).
-        own: what its pixels see of it instead of the light.
-        fine_lights: (K, 64, 128, 3) the same before they were shrunk, for samples that are turned.
-        appearance: what its photos show, where photos are taken.
-        relief_shadow: (K, S, S) the hint to SS, where it is asked for.
+        normal: (P, 3) of the covered pixels, with pores and threads.
+        lights: (K, 16, 32, 3) linear radiance.
+        own: what its pixels see of the head itself instead of the light.
+        fine_lights: (K, 64, 128, 3) the lights before they were downsampled, for samples that are rotated.
+        appearance: what photos show of it; None where no photos are taken.
+        relief_shadow: (K, S, S) shadow fractions, the hint to SS; None where it is not needed.
     """
 
     head: BakedHead
@@ -74,7 +75,7 @@ def light_head(head: BakedHead, normal: np.ndarray, lights: np.ndarray, *, dull:
     """Light a head with the reference gloss.
 
     Args:
-        dull: hair and cloth have less of it (see `face.gloss`); else all of the head has the gloss of skin.
+        dull: hair and cloth have less gloss (see `face.gloss`); otherwise all of the head has the gloss of skin.
     """
     light = illuminate(head, normal, lights)
     if dull:
@@ -84,7 +85,11 @@ def light_head(head: BakedHead, normal: np.ndarray, lights: np.ndarray, *, dull:
 
 
 def channels_of(lit: LitHead, albedo: np.ndarray, k: int) -> dict[str, np.ndarray]:
-    """The paper's channels (section 3.2) of one light as images, linear, black outside the head."""
+    """The paper's channels (section 3.2) under light `k`: linear images (S, S, ...), 0 outside the head, and the light.
+
+    "specular" and "shadow" are Rec.709 luminance, and "shadow_fraction" and "gloss_fraction" the occluded share of the
+    irradiance and of the gloss, in [0, 1].
+    """
     light = lit.illumination
     irradiance = light.irradiance[k] + bounced(lit.head, lit.own, albedo, light.irradiance[k])
     image = albedo * irradiance + light.specular[k]
@@ -103,7 +108,7 @@ def channels_of(lit: LitHead, albedo: np.ndarray, k: int) -> dict[str, np.ndarra
 
 
 def surface_of(lit: LitHead, albedo: np.ndarray) -> dict[str, np.ndarray]:
-    """What does not depend on the light: albedo (linear), normal, relief, labels, coverage."""
+    """The channels that do not depend on the light: images (S, S, ...) of linear albedo, normals, relief and labels."""
     scatter = lit.head.scatter
     return {
         "albedo": scatter(albedo),
@@ -115,7 +120,7 @@ def surface_of(lit: LitHead, albedo: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def without_hidden(channels: dict[str, np.ndarray], hidden: np.ndarray | None) -> dict[str, np.ndarray]:
-    """What an object in front hides of the head is background, and nothing is learnt from it."""
+    """Coverage and labels where an object in front hides the head: background, from which nothing is learnt."""
     if hidden is None:
         return {}
     return {name: np.where(hidden, 0, channels[name]).astype(channels[name].dtype) for name in ("covered", "label")}
@@ -130,10 +135,10 @@ def mirrored(sample: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def relief_shadows(lit: LitHead, rng: np.random.Generator) -> np.ndarray:
-    """Shadow fractions (K, S, S) that a relief casts which is as rough as a predicted one.
+    """Shadow fractions (K, S, S) of a relief that is degraded to the quality of a predicted one.
 
-    The true relief is flattened, smoothed and bent by as much as de-lighting's are (they have 0.4 to 0.8 of
-    the true height, and no edges), so that the SS network learns to correct the hint rather than to copy it.
+    The true relief is flattened, smoothed and bent as much as predicted ones are (they have 0.4 to 0.8 of the true
+    height, and no edges), so that the SS network learns to correct the hint instead of copying it.
     """
     size = lit.head.size
     covered = lit.head.covered.astype(np.float32)
@@ -153,7 +158,11 @@ def relief_shadows(lit: LitHead, rng: np.random.Generator) -> np.ndarray:
 
 
 def as_tensors(pair: list[dict[str, np.ndarray]], shared: set[str]) -> dict[str, torch.Tensor]:
-    """Two samples of one head as one item; `shared` names what does not depend on the light."""
+    """Two samples of one head as one item of tensors, channels first.
+
+    Args:
+        shared: names of the channels that do not depend on the light; the others get a leading axis of two lights.
+    """
     item = {}
     for name, value in pair[0].items():
         arrays = [value] if name in shared else [channels[name] for channels in pair]

@@ -1,4 +1,4 @@
-"""Batches as they are kept for later: in half the memory."""
+"""Batches in half precision, to be kept for later."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def halved(batch: Batch) -> Batch:
 
 
 def whole_again(batch: Batch) -> Batch:
-    """What `halved` made small in the types that are learnt from."""
+    """The reverse of `halved`: floats in single precision and labels as int64."""
     return {name: value.float() if value.is_floating_point() else value.long() for name, value in batch.items()}
 
 

@@ -1,4 +1,4 @@
-"""Batches that are made once and kept, so that several networks learn from the very same ones."""
+"""Batches that are made once and kept on disk, so that several networks learn from exactly the same ones."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ _CHECKSUM = "sha256"
 def kept_batches(
     folder: Path, make: Callable[[int], Iterator[Batch]], first: int = 0, among: int | None = None
 ) -> Iterator[Batch]:
-    """Batches from a number on: read where they are kept, else made and kept.
+    """Batches from a number on: read from the folder, or made and kept there if they are missing.
 
-    Images are kept in half precision, labels in a byte; who makes a batch meets it as rounded as who reads
-    it. About 1 MB for four pairs at 64 pixels.
+    Images are kept in half precision, labels in a byte. A batch that has just been made is read back, so that it is
+    rounded like all others. About 1 MB for four pairs at 64 pixels.
 
     Args:
-        make: gives the batches from a number on; asked only when one is missing.
-        among: so many there are, over and over; None for no end.
+        make: gives the batches from a number on; called only when one is missing.
+        among: number of different batches, which are repeated; None for no limit.
 
     Raises:
         InputError: a kept batch is damaged, or one can't be written.
@@ -46,7 +46,7 @@ def kept_batches(
 def _keep(path: Path, batch: Batch) -> None:
     small = {name: value.contiguous() for name, value in halved(batch).items()}
     with whole_file(path) as beside:
-        # What the library writes to a file itself fails on a full disk with an error of its own kind.
+        # safetensors' own writing to a file raises errors of its own on a full disk.
         beside.write_bytes(tensor_file(small, {_CHECKSUM: checksum(small)}))
 
 

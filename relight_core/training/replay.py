@@ -1,7 +1,7 @@
-"""Samples that are learnt from several times: a GPU takes a step in less time than a processor makes its samples.
+"""A replay buffer: samples are used several times, since a GPU takes a step faster than a CPU makes its samples.
 
-The newest pairs are kept where the networks are, and every batch is drawn from them. What a batch holds is a pure
-function of its number, so that training can go on at any batch as if it had never stopped.
+The newest pairs are kept on the device, and every batch is drawn from them. The contents of a batch are a pure function
+of its number, so that training can be resumed at any batch as if it had never stopped.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from relight_core.training.half_kept import Batch, halved, whole_again
 
 @dataclass(frozen=True)
 class Replay:
-    """How samples are used again.
+    """How samples are reused.
 
     Attributes:
-        uses: how often each pair is drawn, in the mean.
-        pairs: of a batch.
-        chunk: pairs that come from the loader together.
-        kept: pairs to draw from, the newest; rounded up to whole chunks, and to a batch.
-        seed: of what is drawn.
+        uses: mean number of times that each pair is drawn.
+        pairs: pairs in a batch.
+        chunk: pairs that the loader delivers at a time.
+        kept: size of the buffer in pairs; rounded up to whole chunks, and at least a batch.
+        seed: of the random draws.
     """
 
     uses: int
@@ -46,11 +46,11 @@ class Replay:
         return -(-max(self.kept, self.pairs) // self.chunk)
 
     def chunks_before(self, batch: int) -> int:
-        """How many chunks have come when a batch is drawn: those of one batch at first."""
+        """Number of chunks loaded before a batch is drawn: those of one batch at first."""
         return -(-self.pairs // self.chunk) + batch * self.pairs // (self.uses * self.chunk)
 
     def drawn(self, batch: int) -> tuple[np.ndarray, np.ndarray]:
-        """Where the pairs of a batch are kept, and which of them are mirrored, (pairs,) each."""
+        """The buffer indices (pairs,) int of a batch's pairs, and which of these to mirror, (pairs,) bool."""
         random = np.random.default_rng([self.seed, batch])
         filled = min(self.chunks_before(batch), self.slots) * self.chunk
         return random.choice(filled, self.pairs, replace=False), random.random(self.pairs) < 0.5
