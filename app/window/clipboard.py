@@ -1,4 +1,4 @@
-"""A picture for other programs to paste, where the system has a way to take one."""
+"""Putting a picture on the system's clipboard."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 from relight_core.errors import InputError
@@ -49,7 +50,7 @@ def _windows_command(path: Path) -> list[str]:
     return ["powershell", "-NoProfile", "-STA", "-Command", script]
 
 
-def _with_file(png: bytes, command) -> None:
+def _with_file(png: bytes, command: Callable[[Path], list[str]]) -> None:
     with tempfile.TemporaryDirectory(prefix="relight-") as folder:
         path = Path(folder) / "picture.png"
         path.write_bytes(png)

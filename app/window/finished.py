@@ -1,4 +1,4 @@
-"""What is done with a finished picture waits for it: an export, say, asked for while the networks still run."""
+"""Tasks that wait for a finished picture, such as an export that is asked for while the networks still run."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class _Task:
-    """What waits for a picture.
+    """A task that waits for a picture.
 
     Attributes:
-        request: asks for the picture.
-        run: is called with it.
-        makes_file, otherwise: as of `Finished.then`.
+        request: the engine's request that gives the picture.
+        run: called with the picture.
+        makes_file, otherwise: see `Finished.then`.
     """
 
     request: Request
@@ -33,17 +33,17 @@ class _Task:
 
 
 class Finished:
-    """Hands each task the picture that was wanted when the task was given, as it is at rest.
+    """Runs each task with the finished picture, at rest quality, of what was wanted when the task was given.
 
-    Until that picture is there the engine is asked for it and for nothing newer, so that another photo which is
-    opened meanwhile doesn't end up in the file.
+    Until that picture is there the engine is asked for it and for nothing newer, so that a photo that is opened
+    meanwhile doesn't end up in the file.
 
     Args:
-        state: says what is wanted.
-        say: tells a line, and whether it is an error.
+        state: what is wanted.
+        say: shows a message, and whether it is an error.
 
     Attributes:
-        failures: how many tasks came to nothing.
+        failures: number of tasks that failed.
     """
 
     def __init__(self, state: EditorState, say: Callable[[str, bool], None]) -> None:
@@ -54,11 +54,11 @@ class Finished:
     def then(
         self, run: Callable[[Picture], None], makes_file: bool = True, otherwise: Callable[[], None] = lambda: None
     ) -> None:
-        """Call what is given with the finished picture, as soon as it is there.
+        """Call `run` with the finished picture as soon as it is there.
 
         Args:
-            makes_file: something is lost if that never happens.
-            otherwise: called where it turns out that it never will.
+            makes_file: the task makes a file, so the window asks before it closes without having run it.
+            otherwise: called instead if there will never be such a picture.
         """
         self._tasks.append(_Task(self._state.request_at_rest(), run, makes_file, otherwise))
 
@@ -68,14 +68,14 @@ class Finished:
         return any(task.makes_file for task in self._tasks)
 
     def wanted(self, newest: Request) -> Request:
-        """What to ask the engine for: what the oldest task waits for, else the newest wish."""
+        """The request to submit to the engine: that of the oldest waiting task, else the newest."""
         return self._tasks[0].request if self._tasks else newest
 
     def hand_out(self, snapshot: Snapshot, is_idle: bool) -> None:
-        """Call the tasks whose picture is there.
+        """Run the tasks whose picture is there, and fail the oldest one if its picture can't come any more.
 
         Args:
-            is_idle: the engine has done all it can for what it was asked for last.
+            is_idle: the engine has nothing left to do for the request that it got last.
         """
         while self._tasks and _answers(snapshot.picture, self._tasks[0].request):
             self._attempt(self._tasks.popleft().run, snapshot.picture)
@@ -87,7 +87,7 @@ class Finished:
             self._fail(f"{lost}: {_why_not(task.request, snapshot)}")
 
     def _attempt(self, run: Callable[[Picture], None], picture: Picture) -> None:
-        """Whatever goes wrong in a task is told; the window goes on."""
+        """Run a task; an exception becomes a message, and the window goes on."""
         try:
             run(picture)
         except Exception as error:
@@ -101,7 +101,7 @@ class Finished:
 
 
 def _why_not(request: Request, snapshot: Snapshot) -> str:
-    """Why a picture will never be there; on a second line what was told of a light or photo that can't be had."""
+    """Why there will be no picture; on a second line the engine's message on the refused photo or light."""
     if request.photo in snapshot.refused:
         why = f"{request.photo.name} can't be opened"
     elif request.light in snapshot.refused:
@@ -113,6 +113,7 @@ def _why_not(request: Request, snapshot: Snapshot) -> str:
 
 
 def _answers(picture: Picture | None, request: Request) -> bool:
+    """Whether a picture is the finished one of a request."""
     if (
         picture is None
         or picture.is_stale

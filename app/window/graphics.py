@@ -9,6 +9,7 @@ import os
 import glfw
 import moderngl
 
+from app.engine.light_shelf import LightShelf
 from app.ui import theme
 from app.ui.binding import Binding
 from app.window.gl_interface import InterfacePainter
@@ -18,10 +19,10 @@ from app.window.gl_viewport import draws_in_software
 from app.window.glfw_window import NoDisplayError, close_window, open_window
 
 FORGIVEN_S = 60.0
-"""After so long without a fault the next one counts as the first."""
+"""After this long without a fault the next one counts as the first."""
 
 _TRIAL_SHADES = (theme.PANEL[0], theme.PANEL[0] + 0.02)
-"""Seen for a moment in the empty window, so hardly to be told from it."""
+"""Shown for a moment in the empty window, so they hardly differ from its colour."""
 
 _ROUNDING = 1e-3
 """Of a size that was divided by a scale; glfw cuts fractions off where it multiplies."""
@@ -53,7 +54,7 @@ class Graphics:
         NoDisplayError: no display, or one whose OpenGL is too old or can't compile the editor's shaders.
     """
 
-    def __init__(self, size: tuple[int, int], visible: bool, shelf) -> None:
+    def __init__(self, size: tuple[int, int], visible: bool, shelf: LightShelf) -> None:
         self.handle = open_window("relight", size, visible)
         try:
             self.context = moderngl.create_context(require=330)
@@ -111,10 +112,10 @@ class Graphics:
 
 
 def keeps_frames(context: moderngl.Context, handle: object) -> bool:
-    """Whether a frame is still there to be drawn on once it has been shown.
+    """Whether the back buffer still holds the frame after `swap_buffers`, so that only parts need be redrawn.
 
-    OpenGL promises nothing about it, so it is tried out. Graphics in software mostly copy a frame to the screen;
-    others change to another buffer, with an older frame in it.
+    OpenGL leaves the buffer undefined, so this is tried out. Software renderers mostly copy the frame to the screen;
+    others swap to another buffer, which holds an older frame.
     """
     sample, found = Canvas(context), []
     sample.fit((1, 1))
@@ -129,7 +130,7 @@ def keeps_frames(context: moderngl.Context, handle: object) -> bool:
 
 
 class Restarts:
-    """How often graphics that failed may be opened again: once as they were, once in software, then no more."""
+    """How often graphics that failed may be restarted: once as they were, once in software, then no more."""
 
     def __init__(self) -> None:
         self._count, self._last_s = 0, 0.0

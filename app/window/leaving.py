@@ -17,6 +17,8 @@ class Leaving:
         is_busy: whether files that the user asked for are still being made.
         failures: how many of the files asked for so far could not be made.
         would_lose_work: whether there is unsaved work that can't be kept for the next start.
+
+    The user may finish the files first, after which the window closes by itself, unless one of them failed.
     """
 
     def __init__(
@@ -44,7 +46,7 @@ class Leaving:
                 self._ask()
             return False
         self._asking.drop(_FILES)
-        # What was to be finished and was not has to be read before the window is gone.
+        # After "Finish first" the window closes by itself, unless a file failed: its message has to be read first.
         may = self._stops or wanted or self._failures() == self._failures_before
         self._failures_before = None
         if may and self._would_lose_work():

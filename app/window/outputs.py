@@ -1,4 +1,4 @@
-"""Wishes that make files of pictures: export, copy, turntable, batch. The work itself runs as jobs."""
+"""Making files of pictures: export, copy, turntable, batch. The work itself runs as jobs on another thread."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class Outputs:
         self._when_finished = when_finished or (lambda task, **_: task(state.snapshot.picture))
 
     def export(self, suffix: str) -> None:
-        """Save the picture as another or the same kind of file where the panel says now, if there is one."""
+        """Save the picture where the panel says now, as a kind of file; nothing if there is no picture."""
         if self._state.snapshot.picture is not None:
             settings, exposure_ev = replace(self._state.export, form=suffix), self._state.edit.exposure_ev
             place = place_for(self._state, self._state.photo, suffix)
@@ -73,9 +73,9 @@ class Outputs:
             self._when_finished(save)
 
     def export_writer(self) -> Callable[[Path, bool], None]:
-        """Saves the picture as it is wanted and the settings say now, whatever they are once the place is known.
+        """A function that saves the picture as wanted and set now, even if that changes before its place is known.
 
-        A place named as another kind of picture than theirs makes one of that kind.
+        A path with the suffix of another kind of picture makes a file of that kind.
 
         Raises:
             InputError: there is no picture.
@@ -107,7 +107,7 @@ class Outputs:
         self._when_finished(start)
 
     def film_writer(self) -> Callable[[Path, bool], None]:
-        """Saves the turntable of what is wanted now: an .mp4 file, else a folder of pictures, which replaces nothing.
+        """A function that saves the turntable of what is wanted now: an .mp4 file, or a new folder of pictures.
 
         Raises:
             InputError: there is no picture.
@@ -159,12 +159,12 @@ class Outputs:
         settings: ExportSettings | None = None,
         as_left: bool = False,
     ) -> None:
-        """Relight photos as this one is, into a folder.
+        """Relight photos like the open one, into a folder.
 
         Args:
-            replaces: pictures that are there already, too; else those are left alone.
-            settings: None is as the panel says now.
-            as_left: each as its own work has it, if it has some.
+            replaces: replace results that exist already; otherwise they are kept.
+            settings: how to save; None is as the panel says now.
+            as_left: relight each photo by its own work, if it has some.
         """
         self._need_picture()
         settings = settings or self._state.export

@@ -1,4 +1,4 @@
-"""A picture that was asked for before it is known where it goes."""
+"""A picture that is asked for before its file's place is known."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from relight_core.errors import InputError
 
 
 class Promise:
-    """Brings a picture and what is done with it together, whichever comes first."""
+    """Runs a task on a picture once both are there, whichever comes first."""
 
     def __init__(self) -> None:
         self._picture: Picture | None = None

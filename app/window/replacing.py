@@ -1,4 +1,4 @@
-"""Where something is there already, a file or unsaved work: what the user did not agree to replaces nothing."""
+"""Asking before a file or unsaved work is replaced."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ def write_or_ask(
     free: Callable[[Path], Path] = free_path,
     there: str = "",
 ) -> None:
-    """Write to a path, after asking where something is there already.
+    """Write to a path, after asking if something is there already.
 
     Args:
-        write: given the path, and whether the user agreed to replace what is there. Without that it writes under a
-            free name where one was taken since.
-        free: the name beside one that is taken.
-        there: what is told of that one; empty is that it is there.
+        write: gets the path, and whether the user agreed to replace what is there. If not, it chooses a free name in
+            case the path has been taken meanwhile.
+        free: gives a free name beside one that is taken.
+        there: the question's text; by default that the file is there already.
     """
     if not os.path.lexists(path):
         tried(asking, lambda: write(path, False))
@@ -47,12 +47,12 @@ def write_or_ask(
 def put_or_ask(
     state: EditorState, document: Document, source: str, put: Callable[[], None], keep: Callable[[], None]
 ) -> None:
-    """Put a document in the place of the work on its photo, after asking where that is other work and not saved.
+    """Replace the work on a photo by a document, after asking if there is other work on it that is not saved.
 
     Args:
-        source: names what the document comes from; asking about the same again replaces the question.
-        put: puts it there.
-        keep: called where the user keeps the work that is there.
+        source: name of what the document comes from; another question about the same source replaces this one.
+        put: replaces the work.
+        keep: called if the user keeps the work that is there.
     """
     path = document.photo.path
     work = unsaved_work(state, path)
@@ -75,7 +75,7 @@ def check_place(path: Path, kind: str) -> None:
 
 
 def tried(asking: Asking, act: Callable[[], None]) -> None:
-    """Do something, and tell why where it can't be done."""
+    """Do something; an InputError becomes a message."""
     try:
         act()
     except InputError as error:
