@@ -37,33 +37,33 @@ def test_coordinates_and_depth_come_back():
 @pytest.mark.parametrize("shape", [(0,), (1,), (7, 2), (300,)])
 def test_differences_of_version_2_are_undone(shape):
     codes = np.random.default_rng(3).integers(0, 65536, shape).astype(np.uint16)
-    np.testing.assert_array_equal(coding.summed(differences(codes)), codes)
+    np.testing.assert_array_equal(coding.from_differences(differences(codes)), codes)
 
 
 @pytest.mark.parametrize("channels", [1, 2])
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
-def test_curvature_is_undone_whatever_is_covered(channels, share):
+def test_prediction_is_undone_whatever_is_covered(channels, share):
     rng = np.random.default_rng(4)
     covered = rng.random((9, 9)) < share
     codes = rng.integers(0, 65536, (covered.sum(), channels)).astype(np.uint16)
-    planes = coding.curvature(codes, covered)
+    planes = coding.prediction_residuals(codes, covered)
     assert planes.dtype == np.uint8
-    back = coding.uncurved(planes, covered)
+    back = coding.from_residuals(planes, covered)
     assert back.dtype == np.uint16
     np.testing.assert_array_equal(back, codes)
 
 
-def test_a_slope_has_no_curvature_but_at_its_edges():
+def test_a_slope_is_predicted_but_at_its_edges():
     row, column = np.mgrid[:12, :12]
     covered = (row > 2) & (column > 3)
     codes = (2000 + 30 * row - 17 * column)[covered][:, None].astype(np.uint16)
-    planes = coding.curvature(codes, covered)
+    planes = coding.prediction_residuals(codes, covered)
     assert (planes[:, 0, 4:, 5:] == 0).all()
     assert (planes != 0).any()
 
 
 def test_blocks_of_pixels_stay_together():
-    order = coding.blockwise(np.ones((8, 8), bool))
+    order = coding.morton_order(np.ones((8, 8), bool))
     assert sorted(order.tolist()) == list(range(64))
     assert sorted(order[:4].tolist()) == [0, 1, 8, 9]
     assert sorted(order[:16].tolist()) == [8 * y + x for y in range(4) for x in range(4)]
@@ -97,7 +97,7 @@ def test_a_shard_of_the_first_version_is_still_read(tmp_path):
 
 def test_a_shard_of_the_second_version_is_still_read(tmp_path):
     head = ball(16, dark_side="right")
-    order = coding.blockwise(head.covered)
+    order = coding.morton_order(head.covered)
     np.savez_compressed(
         tmp_path / "head-0000000.npz",
         version=np.int32(2),

@@ -1,8 +1,8 @@
 """One baked head as one file: compressed, checksummed (by the zip's CRC), versioned, written whole or not at all.
 
-Version 3 stores how far each pixel is from what its neighbours lead to expect, as integers, visibility in blocks
-of pixels, and compresses with LZMA. Version 2, finer differences from one pixel to the next, and version 1, half
-floats and rows of pixels under deflate, are still read.
+Version 3 stores quantised values as residuals of a prediction from neighbouring pixels, and visibility bits in Morton
+order, and compresses with LZMA. Version 2 (finer quantisation, differences between consecutive pixels) and version 1
+(half floats in row order under deflate) are still read.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ _MEND = "delete it and run 'relight dataset bake' again"
 def write_shard(path: Path, head: BakedHead) -> None:
     """Store a head; see `shard_coding` for what rounding costs."""
     albedo = np.empty((0, 3)) if head.albedo is None else head.albedo
-    order = coding.blockwise(head.covered)
+    order = coding.morton_order(head.covered)
     arrays = {
         "version": np.int32(VERSION),
         "covered": np.packbits(head.covered),
         "size": np.int32(head.size),
-        "normal": coding.curvature(coding.code_normals(head.normal), head.covered),
-        "depth": coding.curvature(coding.code_depth(head.depth)[:, None], head.covered),
-        "uv": coding.curvature(coding.code_uv(head.uv), head.covered),
+        "normal": coding.prediction_residuals(coding.code_normals(head.normal), head.covered),
+        "depth": coding.prediction_residuals(coding.code_depth(head.depth)[:, None], head.covered),
+        "uv": coding.prediction_residuals(coding.code_uv(head.uv), head.covered),
         "material": head.material,
         "label": head.label,
         "visibility": coding.reorder_bits(head.visibility, len(order), order),
@@ -77,7 +77,7 @@ def _number(path: Path, name: str) -> int:
     return int(value)
 
 
-def _plain(data: dict[str, np.ndarray], covered: np.ndarray) -> dict[str, np.ndarray]:
+def _decode_version_1(data: dict[str, np.ndarray], _covered: np.ndarray) -> dict[str, np.ndarray]:
     normal = data["normal"].astype(np.float32)
     return {
         "normal": normal / np.linalg.norm(normal, axis=1, keepdims=True),
@@ -89,20 +89,20 @@ def _plain(data: dict[str, np.ndarray], covered: np.ndarray) -> dict[str, np.nda
     }
 
 
-def _differenced(data: dict[str, np.ndarray], covered: np.ndarray) -> dict[str, np.ndarray | None]:
-    normal, depth, uv = (coding.summed(data[name]) for name in ("normal", "depth", "uv"))
-    return _decoded(data, covered, (normal, depth, uv), coding.FINE)
+def _decode_version_2(data: dict[str, np.ndarray], covered: np.ndarray) -> dict[str, np.ndarray | None]:
+    normal, depth, uv = (coding.from_differences(data[name]) for name in ("normal", "depth", "uv"))
+    return _decoded(data, covered, (normal, depth, uv), coding.VERSION_2)
 
 
-def _curved(data: dict[str, np.ndarray], covered: np.ndarray) -> dict[str, np.ndarray | None]:
-    normal, depth, uv = (coding.uncurved(data[name], covered) for name in ("normal", "depth", "uv"))
-    return _decoded(data, covered, (normal, depth[:, 0], uv), coding.ENOUGH)
+def _decode_version_3(data: dict[str, np.ndarray], covered: np.ndarray) -> dict[str, np.ndarray | None]:
+    normal, depth, uv = (coding.from_residuals(data[name], covered) for name in ("normal", "depth", "uv"))
+    return _decoded(data, covered, (normal, depth[:, 0], uv), coding.VERSION_3)
 
 
 def _decoded(
     data: dict[str, np.ndarray], covered: np.ndarray, codes: tuple[np.ndarray, ...], precision: coding.Precision
 ) -> dict[str, np.ndarray | None]:
-    back = np.argsort(coding.blockwise(covered))
+    back = np.argsort(coding.morton_order(covered))
     normal, depth, uv = codes
     return {
         "normal": coding.decode_normals(normal, precision.normal),
@@ -115,4 +115,4 @@ def _decoded(
     }
 
 
-_DECODERS = {1: _plain, 2: _differenced, 3: _curved}
+_DECODERS = {1: _decode_version_1, 2: _decode_version_2, 3: _decode_version_3}

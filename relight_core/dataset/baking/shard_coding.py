@@ -1,4 +1,4 @@
-"""How a shard's arrays become integers that compress well, and back."""
+"""A shard's arrays as integers that compress well, and back: quantised, predicted from neighbours, reordered."""
 
 from __future__ import annotations
 
@@ -11,20 +11,19 @@ _DEEPEST = 7.9
 
 @dataclass(frozen=True)
 class Precision:
-    """How finely things are told apart: steps along a side of the octahedral map, of the texture, of a half-width."""
+    """Quantisation: steps along a side of the octahedral map, along a side of the texture, per half-width of depth."""
 
     normal: int
     uv: int
     depth: int
 
 
-FINE = Precision(4095, 8191, 4096)
-"""Shards of version 2."""
-ENOUGH = Precision(2047, 4095, 2048)
-"""Shards of version 3: normals within 0.12 degrees."""
+VERSION_2 = Precision(4095, 8191, 4096)
+VERSION_3 = Precision(2047, 4095, 2048)
+"""Its normals are within 0.12 degrees."""
 
 
-def code_normals(normal: np.ndarray, steps: int = ENOUGH.normal) -> np.ndarray:
+def code_normals(normal: np.ndarray, steps: int = VERSION_3.normal) -> np.ndarray:
     """Unit vectors (P, 3) to (P, 2) uint16 on the octahedral map."""
     flat = normal / np.maximum(np.abs(normal).sum(1, keepdims=True), 1e-12)
     folded = (1 - np.abs(flat[:, 1::-1])) * np.where(flat[:, :2] >= 0, 1, -1)
@@ -32,7 +31,7 @@ def code_normals(normal: np.ndarray, steps: int = ENOUGH.normal) -> np.ndarray:
     return np.round((sides + 1) / 2 * steps).astype(np.uint16)
 
 
-def decode_normals(codes: np.ndarray, steps: int = ENOUGH.normal) -> np.ndarray:
+def decode_normals(codes: np.ndarray, steps: int = VERSION_3.normal) -> np.ndarray:
     """Inverse of `code_normals`: (P, 3) float32."""
     sides = codes.astype(np.float32) / steps * 2 - 1
     height = 1 - np.abs(sides).sum(1, keepdims=True)
@@ -43,64 +42,66 @@ def decode_normals(codes: np.ndarray, steps: int = ENOUGH.normal) -> np.ndarray:
 
 def code_uv(uv: np.ndarray) -> np.ndarray:
     """Texture coordinates in [0, 1] to uint16."""
-    return np.round(np.clip(uv, 0, 1) * ENOUGH.uv).astype(np.uint16)
+    return np.round(np.clip(uv, 0, 1) * VERSION_3.uv).astype(np.uint16)
 
 
-def decode_uv(codes: np.ndarray, steps: int = ENOUGH.uv) -> np.ndarray:
+def decode_uv(codes: np.ndarray, steps: int = VERSION_3.uv) -> np.ndarray:
     """Inverse of `code_uv`, float32."""
     return codes.astype(np.float32) / steps
 
 
 def code_depth(depth: np.ndarray) -> np.ndarray:
     """Depth within 8 half-widths of 0 to uint16."""
-    return np.round((np.clip(depth, -_DEEPEST, _DEEPEST) + 8) * ENOUGH.depth).astype(np.uint16)
+    return np.round((np.clip(depth, -_DEEPEST, _DEEPEST) + 8) * VERSION_3.depth).astype(np.uint16)
 
 
-def decode_depth(codes: np.ndarray, steps: int = ENOUGH.depth) -> np.ndarray:
+def decode_depth(codes: np.ndarray, steps: int = VERSION_3.depth) -> np.ndarray:
     """Inverse of `code_depth`, float32."""
     return codes.astype(np.float32) / steps - 8
 
 
-def curvature(codes: np.ndarray, covered: np.ndarray) -> np.ndarray:
-    """Codes (P, C) uint16 of the covered pixels less what the neighbours above and to the left lead to expect.
+def prediction_residuals(codes: np.ndarray, covered: np.ndarray) -> np.ndarray:
+    """Codes (P, C) uint16 of the covered pixels less their prediction: left + above - above left (Lorenzo's predictor).
 
-    Where a surface is smooth, hardly anything remains. High bytes come first, then low ones.
+    Where a surface is smooth, the residuals are near 0. They are zigzag-coded, so that small numbers of either sign
+    have small codes.
 
     Returns:
-        (2, C, S, S) uint8, small numbers of either sign made small.
+        (2, C, S, S) uint8: the high bytes, then the low ones.
     """
     image = np.zeros((*covered.shape, codes.shape[1]), np.uint16)
     image[covered] = codes
     planes = np.moveaxis(image, -1, 0)
     for axis in (1, 2):
         planes = np.diff(planes, axis=axis, prepend=np.zeros_like(planes.take([0], axis)))
-    step = planes.astype(np.int16)
-    return _in_bytes(((step << 1) ^ (step >> 15)).astype(np.uint16))
+    residual = planes.astype(np.int16)
+    return _in_bytes(((residual << 1) ^ (residual >> 15)).astype(np.uint16))
 
 
-def uncurved(planes: np.ndarray, covered: np.ndarray) -> np.ndarray:
-    """Inverse of `curvature`: (P, C) uint16."""
-    step = _unfolded(planes)
-    image = np.cumsum(np.cumsum(step, axis=1, dtype=np.uint16), axis=2, dtype=np.uint16)
+def from_residuals(planes: np.ndarray, covered: np.ndarray) -> np.ndarray:
+    """Inverse of `prediction_residuals`: (P, C) uint16."""
+    residual = _from_zigzag(planes)
+    image = np.cumsum(np.cumsum(residual, axis=1, dtype=np.uint16), axis=2, dtype=np.uint16)
     return image[:, covered].T
 
 
-def summed(planes: np.ndarray) -> np.ndarray:
-    """Codes (P, ...) uint16 from the differences (2, P, ...) uint8 between one and the next, as in version 2."""
-    return np.cumsum(_unfolded(planes), axis=0, dtype=np.uint16)
+def from_differences(planes: np.ndarray) -> np.ndarray:
+    """Codes (P, ...) uint16 from zigzag-coded differences (2, P, ...) uint8 between consecutive pixels (version 2)."""
+    return np.cumsum(_from_zigzag(planes), axis=0, dtype=np.uint16)
 
 
 def _in_bytes(numbers: np.ndarray) -> np.ndarray:
     return np.stack([numbers >> 8, numbers & 255]).astype(np.uint8)
 
 
-def _unfolded(planes: np.ndarray) -> np.ndarray:
-    folded = planes[0].astype(np.uint16) << 8 | planes[1]
-    return (folded >> 1) ^ (0 - (folded & 1)).astype(np.uint16)
+def _from_zigzag(planes: np.ndarray) -> np.ndarray:
+    """Signed numbers, modulo 2**16 as uint16, from the bytes (2, ...) of their zigzag codes."""
+    zigzag = planes[0].astype(np.uint16) << 8 | planes[1]
+    return (zigzag >> 1) ^ (0 - (zigzag & 1)).astype(np.uint16)
 
 
-def blockwise(covered: np.ndarray) -> np.ndarray:
-    """An order of the covered pixels in which neighbours in both directions stay close (Morton 1966).
+def morton_order(covered: np.ndarray) -> np.ndarray:
+    """The covered pixels in Morton order (Morton 1966), in which neighbours in both directions stay close.
 
     Returns:
         (P,) indices into the covered pixels in row order.
@@ -110,7 +111,7 @@ def blockwise(covered: np.ndarray) -> np.ndarray:
 
 
 def _spread(numbers: np.ndarray) -> np.ndarray:
-    """A zero before every bit of numbers below 65,536."""
+    """Numbers below 65,536 with a zero bit before each of their bits."""
     spread = numbers.astype(np.int64)
     for shift, mask in ((8, 0x00FF00FF), (4, 0x0F0F0F0F), (2, 0x33333333), (1, 0x55555555)):
         spread = (spread | (spread << shift)) & mask

@@ -6,6 +6,7 @@ The surface is Lambert plus the isotropic GGX lobe of the principled BSDF with t
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,10 +19,14 @@ from relight_core.lighting.sphere import directions, solid_angles
 
 _PIXELS_AT_ONCE = 1024
 
+Transports = Callable[[torch.Tensor, torch.Tensor, torch.Tensor, torch.Tensor], tuple[torch.Tensor, ...]]
+"""From the directions of the 512 texels (512, 3), their cosines >= 0 to P normals (512, P), visibilities in [0, 1]
+(512, P) and the normals (P, 3) to some transports (512, P): reflected radiance per texel's radiance and steradian."""
+
 
 @dataclass(frozen=True)
 class Illumination:
-    """What K lights do to the P pixels of one head, before albedo; units of the normalised light.
+    """Reflection of K lights at the P pixels of one head, before albedo; in units of the normalised light.
 
     Attributes:
         irradiance: (K, P, 3), 1 / pi times the irradiance, with self-occlusion.
@@ -64,7 +69,7 @@ def reflect(head: BakedHead, normal: np.ndarray, lights: np.ndarray, gloss: Glos
 def illuminate_past(
     head: BakedHead, normal: np.ndarray, lights: np.ndarray, gloss: Gloss, occluder: Occluder
 ) -> list[np.ndarray]:
-    """Irradiance over pi and specular, each (K, P, 3), where something else takes a part of the light too."""
+    """Irradiance / pi and specular, each (K, P, 3), where an occluder blocks a part of the light as well."""
 
     def transports(toward, cosine, seen, n):
         return cosine / torch.pi * seen, specular_lobe(toward, n, gloss) * seen
@@ -73,7 +78,7 @@ def illuminate_past(
 
 
 def blocked_by_itself(head: BakedHead, normal: np.ndarray) -> np.ndarray:
-    """The cosine-weighted part of each pixel's own hemisphere that the head fills, (P,) in [0, 1]."""
+    """The cosine-weighted part of each pixel's hemisphere that the head itself covers, (P,) in [0, 1]."""
 
     def transports(toward, cosine, seen, n):
         return cosine * seen, cosine
@@ -84,9 +89,19 @@ def blocked_by_itself(head: BakedHead, normal: np.ndarray) -> np.ndarray:
 
 
 def _accumulate(
-    head: BakedHead, normal: np.ndarray, lights: np.ndarray, count: int, transports, occluder: Occluder | None = None
+    head: BakedHead,
+    normal: np.ndarray,
+    lights: np.ndarray,
+    count: int,
+    transports: Transports,
+    occluder: Occluder | None = None,
 ) -> list[np.ndarray]:
-    """Sum light times transport over the texels, for a few pixels at a time so that they stay in cache."""
+    """The sums over the texels of light times each transport, (K, P, 3); some pixels at a time, to stay in cache.
+
+    Args:
+        count: number of transports.
+        occluder: blocks a part of each pixel's light.
+    """
     toward = torch.from_numpy(directions(LIGHT_HEIGHT, LIGHT_WIDTH).reshape(-1, 3))
     weights = torch.from_numpy(solid_angles(LIGHT_HEIGHT, LIGHT_WIDTH).reshape(-1))
     radiance = torch.from_numpy(lights.astype(np.float32)).reshape(len(lights), -1, 3)
