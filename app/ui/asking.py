@@ -1,4 +1,4 @@
-"""What the program asks the user, what it tells, and what the user asks of the window: plain records."""
+"""Questions and messages to the user, and wishes of the user to the window: plain records."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ _DIALOGS = ("open", "save", "folder")
 
 @dataclass(frozen=True)
 class Question:
-    """A line with a few buttons; it waits in the viewport and blocks nothing.
+    """A question with a few buttons; it waits in the viewport and blocks nothing.
 
     Attributes:
-        key: names it; asking the same again replaces it.
+        key: identifies it; a new question of the same key replaces it.
         text: one or two plain sentences.
-        choices: label and what is done of each button; the first is the one that Enter gives.
-        calling_off: the label of the one that changes nothing, which Esc gives, if there is one.
+        choices: label and action of each button; Enter gives the first one.
+        calling_off: label of the choice that changes nothing, which Esc gives; empty if there is none.
     """
 
     key: str
@@ -33,14 +33,14 @@ class FileRequest:
 
     Attributes:
         kind: "open" (one or more files), "save" (one that may not exist) or "folder".
-        title: what for.
+        title: the dialog's title.
         start: the folder, or for "save" the file, to start from.
-        suffixes: of the files that are of use, each with its dot; none for all.
-        then: given what was chosen, at least one path; not called when the user thought better of it.
-        text: what is typed in our own dialog.
-        chosen: the text that was clicked together there, or the suggested one of a file to save.
-        chosen_among: what the list was made for then.
-        row: of the list there, where the arrow keys have gone; 0 is the folder above, -1 the line that is typed in.
+        suffixes: of the files to list, each with its dot; empty for all.
+        then: called with the chosen paths, at least one; not called if the user cancels.
+        text: what is typed in relight's own dialog.
+        chosen: text that was filled in by clicking there, or the suggested name of a file to save.
+        chosen_among: the text that the list was made for at that moment.
+        row: selected row of the list there; 0 is the folder above, -1 the input line.
     """
 
     kind: str
@@ -58,19 +58,19 @@ class FileRequest:
             raise ValueError(f"no dialog of kind {self.kind!r}")
         self.text = self.text or str(self.start)
         if self.kind == "save":
-            # All of the folder is listed until a name is typed, not what is called like the file that is to be made.
+            # Until a name is typed the whole folder is listed, not only files that begin like the suggested name.
             self.chosen, self.chosen_among = self.text, os.path.join(os.path.dirname(self.text), "")
 
 
 @dataclass
 class Asking:
-    """The talk between the window and the user.
+    """What the window and the user ask each other.
 
     Attributes:
-        wishes: to be done after this frame, of what only the window can do: names of methods of app.window.deeds.Deeds.
+        wishes: what the window is to do after this frame: names of methods of app.window.deeds.Deeds.
         questions: open ones, oldest first.
-        notices: lines to tell, with whether each is an error.
-        level: names the newest wish for a light's level that its picture has to tell and does not yet, if any.
+        notices: messages to show, with whether each is an error.
+        level: identifies the newest request to match the light's level to the face, while its picture is not there yet.
     """
 
     wishes: list[str] = field(default_factory=list)
@@ -101,7 +101,7 @@ class Asking:
         question.choices[index][1]()
 
     def call_off(self) -> bool:
-        """Answer the newest question that can be called off with just that; False where there is none."""
+        """Give the newest question that has one its `calling_off` answer; False if there is no such question."""
         for question in reversed(self.questions):
             labels = [label for label, _ in question.choices]
             if question.calling_off in labels:

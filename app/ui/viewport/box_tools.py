@@ -1,4 +1,4 @@
-"""Soft boxes under the mouse: what a press means, what a drag does, and lamps placed by a spot on the face.
+"""Soft boxes under the mouse: hit testing, dragging, and placing a lamp for a spot on the face.
 
 Positions on the panorama are u and v of the picture as it is seen, turned by the light's yaw.
 """
@@ -16,7 +16,7 @@ from relight_core.lighting.sphere import direction_at, turned, uv_of
 from relight_core.pipeline.results.channels import unrolled
 
 NEW_BOX = SoftBox(intensity=0.6)
-"""Weaker than the light it is added to, so that skin does not blow out at once."""
+"""Weaker than the light that it is added to, so that skin does not clip at once."""
 
 _PATCH = 0.012
 """Half the side of the patch of normals that is averaged, as a share of the channel's side."""
@@ -24,13 +24,13 @@ _PATCH = 0.012
 
 @dataclass(frozen=True)
 class Grab:
-    """What the mouse took hold of.
+    """What the mouse holds on the panorama.
 
     Attributes:
-        kind: "turn", "move" or "resize".
+        kind: "turn" for the panorama itself, "move" or "resize" for a soft box.
         index: of the box; -1 for "turn".
-        du, dv: from the mouse to the box's centre, for "move", or to the corner, for "resize".
-        box: as it is held.
+        du, dv: offset from the mouse to the box's centre for "move", to the corner for "resize".
+        box: the soft box as it is now; None for "turn".
     """
 
     kind: str
@@ -40,20 +40,21 @@ class Grab:
     box: SoftBox | None = None
 
     def is_among(self, boxes: tuple[SoftBox, ...]) -> bool:
-        """Whether what is held is still there: undo, a key, or a light that can't be had may have taken it away."""
+        """Whether what is held still exists: undo, a key, or a refused light may have removed it."""
         return self.box is None or boxes[self.index : self.index + 1] == (self.box,)
 
 
 def grab(boxes: tuple[SoftBox, ...], selected: int, u: float, v: float, yaw_deg: float, reach_deg: float) -> Grab:
-    """What a press at a point of the panorama takes hold of: a corner, a box, or the panorama itself.
+    """What a press at a point of the panorama grabs: a corner, a box, or the panorama itself.
 
-    Corners can be taken of the selected box only. A box is moved by all of it and by what lies around its middle, so
-    that one smaller than a finger's breadth, such as a sun, can be taken at all; of boxes that overlap, the selected
-    one comes first and then the newest.
+    Only the selected box can be grabbed by its corners. A box can be moved by its area and by the surroundings of its
+    centre, so that a very small one, such as a sun, can be grabbed too. Of overlapping boxes the selected one is
+    preferred, then the newest.
 
     Args:
         selected: index of the selected box, or -1.
-        reach_deg: how near a corner counts, on the panorama, of whose height 180 degrees are; a middle half as near.
+        u, v: the point on the panorama as it is seen.
+        reach_deg: how near a corner has to be, in degrees of the panorama as drawn; a centre has to be half as near.
     """
     u = u - yaw_deg / 360.0
     direction = direction_at(u, v)
@@ -71,7 +72,7 @@ def grab(boxes: tuple[SoftBox, ...], selected: int, u: float, v: float, yaw_deg:
 
 
 def _between(u: float, v: float, direction: np.ndarray) -> tuple[float, float]:
-    """From a point of the panorama to a direction, the shorter way round."""
+    """The offset (u, v) from a point of the panorama to a direction, the shorter way round."""
     its_u, its_v = uv_of(direction)
     return (its_u - u + 0.5) % 1.0 - 0.5, its_v - v
 
@@ -83,7 +84,7 @@ def _apart_deg(direction: np.ndarray, u: float, v: float) -> float:
 
 
 def dragged(held: Grab, u: float, v: float, yaw_deg: float) -> SoftBox:
-    """The box that the mouse holds after it has moved to a point."""
+    """The soft box that is held, after the mouse has moved to a point."""
     to = direction_at(u - yaw_deg / 360.0 + held.du, min(max(v + held.dv, 0.0), 1.0))
     return moved_to(held.box, to) if held.kind == "move" else resized_to(held.box, to)
 
@@ -120,9 +121,9 @@ def aimed(edit: LightEdit, selected: int, direction: np.ndarray, yaw_deg: float)
 def lamp_for_spot(
     channels: dict[str, np.ndarray], view: Crop | None, x: float, y: float, aim: str
 ) -> np.ndarray | None:
-    """Where a lamp has to be for a spot of the person to be bright or to shine.
+    """The direction of a lamp that makes a spot of the person brightest, or puts a highlight there.
 
-    The normal is averaged over a small patch, which steadies it against the network's grain.
+    The normal is averaged over a small patch, which reduces the network's noise.
 
     Args:
         channels: a Relit's, of which "normal" and "parsing" are read.
@@ -131,7 +132,7 @@ def lamp_for_spot(
         aim: "bright" or "highlight".
 
     Returns:
-        (3,) unit vector in camera space, or None where there is no person.
+        (3,) unit vector in camera space toward the lamp, or None if there is no person at the spot.
     """
     normal, labels = channels.get("normal"), channels.get("parsing")
     if normal is None or labels is None or view is None:

@@ -1,4 +1,4 @@
-"""A click on the face that puts a lamp where the face asks for it; dragging moves the lamp along."""
+"""Placing a lamp by a click on the face; dragging moves the lamp along."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def drag(state: EditorState, arranged: Arrangement, at: tuple[float, float]) -> 
 
 
 def hint(state: EditorState, rect: Rect) -> None:
-    """What the next click does; with the tool goes what was told of a click that missed."""
+    """What the next click does; once the tool is left, the message about a click that missed goes as well."""
     if not state.aim:
         _put_refusal_away(state)
     else:
@@ -54,10 +54,10 @@ def hint(state: EditorState, rect: Rect) -> None:
 
 
 def _no_face_at(faces: Sequence[FaceBox], only: int | None, x: float, y: float) -> str:
-    """Why there is no lamp for a point of the photo: of several faces only one's shape is at hand.
+    """Why no lamp can be placed for a point of the photo: with several faces the normals of only one are available.
 
     Args:
-        only: which one is relit alone; where all are it is the largest, which is the first.
+        only: the face that is relit alone; None if all are, and then it is the first, which is the largest.
     """
     at_hand = only or 0
     for index, face in enumerate(faces):
@@ -67,7 +67,7 @@ def _no_face_at(faces: Sequence[FaceBox], only: int | None, x: float, y: float) 
 
 
 def _place(state: EditorState, arranged: Arrangement, at: tuple[float, float], pressed: bool) -> bool:
-    """Place a lamp for the spot under the mouse, or tell why there can be none; True where one was placed."""
+    """Place a lamp for the spot under the mouse, or show why that is not possible; whether one was placed."""
     picture = state.snapshot.picture
     pane = arranged.pane_at(at[0]) or arranged.main
     if picture is None or pane.name in LIGHTS:
@@ -77,7 +77,7 @@ def _place(state: EditorState, arranged: Arrangement, at: tuple[float, float], p
             _refuse(state, "This face is still being relit; click once its picture is there")
         return False
     if "normal" in picture.relit.channels:
-        # While the hand moves, only what is looked at is made; the face stays the same meanwhile.
+        # While the hand moves only visible channels are made; the normals of before remain valid.
         state.aim_at = picture.relit
     if state.aim_at is None:
         return False
@@ -98,7 +98,7 @@ def _place(state: EditorState, arranged: Arrangement, at: tuple[float, float], p
 
 
 def _refuse(state: EditorState, why: str) -> None:
-    """Tell why a click places no lamp, until one does or the tool is left."""
+    """Show why a click places no lamp, until one does or the tool is left."""
     state.asking.tell(why)
     state.aim_refusal = why
 

@@ -1,4 +1,4 @@
-"""A card over the picture that says what a tool does, with the buttons that go with it."""
+"""A card over the picture that explains a tool, with the tool's buttons."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class Button:
 
     Attributes:
         label, tooltip: its words.
-        act: does it.
-        available: else it is greyed.
-        is_main: the one that is meant to be pressed in the end, in the accent's colour.
+        act: called when it is clicked.
+        available: whether it can be clicked; otherwise it is greyed.
+        is_main: the button that finishes the tool, in the accent colour.
     """
 
     label: str
@@ -38,7 +38,7 @@ class Button:
 def draw(
     state: EditorState, name: str, words: str, buttons: Sequence[Button], viewport: Rect, avoided: Sequence[Box]
 ) -> None:
-    """The card, at the top of the viewport under what is asked, at its foot where it would cover something there.
+    """The card, at the top of the viewport below open questions, or at the bottom if it would cover something there.
 
     Args:
         name: of the card's window.
