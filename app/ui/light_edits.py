@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from app.ui import brush_edits, face_edits
@@ -11,8 +11,26 @@ from relight_core.lighting.light_edit import MOST_BOXES, MOST_LEVEL_EV, put_toge
 
 if TYPE_CHECKING:
     from app.engine.snapshot import Picture
+    from app.engine.sources import RelitLike
     from app.ui.state import EditorState
     from relight_core.lighting.soft_box import SoftBox
+
+
+@dataclass
+class AimTool:
+    """Placing a lamp by a click on the face.
+
+    Attributes:
+        target: what the next click places a lamp for: "highlight", "bright", or "" while the tool is not in use.
+        picture: the relit picture whose normals the click reads.
+        has_placed: the click, or the drag that it became, has placed a lamp.
+        refusal: the message why the last click placed none.
+    """
+
+    target: str = ""
+    picture: RelitLike | None = None
+    has_placed: bool = False
+    refusal: str = ""
 
 
 def meter_light(state: EditorState) -> None:
@@ -112,15 +130,15 @@ def delete_boxes(state: EditorState) -> None:
     state.light_edit, state.selected_box = replace(state.light_edit, boxes=(), base=1.0, apart=False), -1
 
 
-def switch_aim(state: EditorState, aim: str) -> None:
+def switch_aim(state: EditorState, target: str) -> None:
     """Let the next click on the face place a lamp, or not; the other tools over the picture, which come first, go away.
 
     Args:
-        aim: as of EditorState.aim.
+        target: as of `AimTool`; the one in use already switches the tool off.
     """
     face_edits.done(state)
     brush_edits.done(state)
-    state.aim = "" if state.aim == aim else aim
+    state.aim.target = "" if state.aim.target == target else target
 
 
 def has_lamps(state: EditorState) -> bool:

@@ -11,7 +11,7 @@ from app.document.history import History
 from app.engine.exporting import ExportSettings
 from app.engine.jobs import JobStatus
 from app.engine.snapshot import Message, Snapshot
-from app.engine.sources import LightSource, PhotoSource, RelitLike, Request
+from app.engine.sources import LightSource, PhotoSource, Request
 from app.ui.angles import wrap_degrees
 from app.ui.asking import Asking, FileRequest
 from app.ui.brush_edits import BrushTool
@@ -20,6 +20,7 @@ from app.ui.export_name import suggested_place
 from app.ui.face_edits import FaceTool
 from app.ui.falling_back import fall_back, give_up_what_is_on_its_way
 from app.ui.layout import OpenGroups, Panels
+from app.ui.light_edits import AimTool
 from app.ui.light_list import wish_again
 from app.ui.light_wish import LightWish, light_that_stays, note_light_wish
 from app.ui.look import LookState
@@ -75,10 +76,7 @@ class EditorState:
         selected_box: index of the selected soft box, or -1.
         held: what the mouse holds on the panorama.
         hint_spent: something on the panorama was dragged since the mouse came to it, so no tooltip is needed.
-        aim: what the next click on the face places a lamp for: "highlight", "bright", or "" for nothing.
-        aim_at: the relit picture whose normals that click reads.
-        aim_hit: the click, or the drag that it became, has placed a lamp.
-        aim_refusal: the message why the last click placed none.
+        aim: the tool that places a lamp by a click on the face.
         dismissed: number of the newest message that the user put away.
         news: the newest message that is not an error, and how long it has been shown.
         typing: label of the slider or field whose value is being typed, if any.
@@ -133,10 +131,7 @@ class EditorState:
     selected_box: int = -1
     held: Grab | None = None
     hint_spent: bool = False
-    aim: str = ""
-    aim_at: RelitLike | None = None
-    aim_hit: bool = False
-    aim_refusal: str = ""
+    aim: AimTool = field(default_factory=AimTool)
     dismissed: int = 0
     news: News = field(default_factory=News)
     typing: str | None = None
@@ -244,7 +239,7 @@ class EditorState:
 
     def make_room_for_a_tool(self) -> None:
         """Put away whatever follows the mouse over the picture, and show the whole photo, over which tools lie."""
-        self.aim, self.playing = "", False
+        self.aim.target, self.playing = "", False
         self.faces, self.brush = FaceTool(), self.brush.put_away()
         if self.shown not in WHOLE_PHOTO:
             self.shown = RESULT
@@ -354,8 +349,8 @@ class EditorState:
         if snapshot.opened and (opened_before is None or snapshot.opened.photo is not opened_before.photo):
             self.export_path = suggested_place(self).with_suffix(self.export.form).name
             self.shown = RESULT
-            self.aim, self.aim_hit = "", False
-            self.aim_at = self.photo_left = None
+            self.aim = AimTool(refusal=self.aim.refusal)
+            self.photo_left = None
             self.faces = FaceTool(not snapshot.faces, snapshot.opened.source)
             self.brush = BrushTool(radius_em=self.brush.radius_em)
             if snapshot.opened.source.path and self.is_at_work():

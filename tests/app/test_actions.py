@@ -14,6 +14,7 @@ from app.ui.actions.action_table import ACTIONS, GESTURES
 from app.ui.actions.help_overlay import groups
 from app.ui.actions.light_actions import light_actions
 from app.ui.asking import Question
+from app.ui.light_edits import AimTool
 from app.ui.light_list import Shelf
 from app.ui.photo_queue import PhotoQueue
 from app.ui.state import EditorState
@@ -193,10 +194,10 @@ def test_the_arrow_keys_raise_the_soft_box_that_is_selected():
 
 
 def test_escape_ends_what_follows_the_mouse_or_turns_by_itself_before_it_answers():
-    state, given = EditorState(aim="bright", playing=True), []
+    state, given = EditorState(aim=AimTool("bright"), playing=True), []
     state.asking.ask(Question("asked", "A question.", (("No", lambda: given.append("No")),), calling_off="No"))
     on("Escape").run(state)
-    assert (state.aim, state.playing, given) == ("", False, [])
+    assert (state.aim.target, state.playing, given) == ("", False, [])
     on("Escape").run(state)
     assert given == ["No"]
 

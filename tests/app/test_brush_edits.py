@@ -173,11 +173,11 @@ def test_one_tool_at_a_time(state):
     for show in (brush_edits.show, face_edits.show):
         show(state)
         light_edits.switch_aim(state, "bright")
-        assert (state.faces.is_open, state.brush.is_open, state.aim) == (False, False, "bright")
+        assert (state.faces.is_open, state.brush.is_open, state.aim.target) == (False, False, "bright")
     light_edits.switch_aim(state, "highlight")
-    assert state.aim == "highlight"
+    assert state.aim.target == "highlight"
     light_edits.switch_aim(state, "highlight")
-    assert state.aim == ""
+    assert state.aim.target == ""
 
 
 def test_a_photo_that_is_cut_out_has_its_outline():

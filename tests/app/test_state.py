@@ -13,6 +13,7 @@ from app.ui import brush_edits, face_edits
 from app.ui.angles import wrap_degrees
 from app.ui.channels import in_filmstrip
 from app.ui.export_name import choose_form, export_place, export_to
+from app.ui.light_edits import AimTool
 from app.ui.news import let_news_pass
 from app.ui.state import EditorState
 from app.ui.viewport.view import View
@@ -332,17 +333,17 @@ def test_a_light_that_was_refused_is_tried_again_when_it_is_chosen_again():
 
 @pytest.mark.parametrize("tool", [face_edits, brush_edits])
 def test_a_tool_over_the_picture_stops_what_moves_and_shows_the_whole_photo(tool):
-    state, opened = EditorState(playing=True, aim="bright", shown="albedo"), opened_photo(Path("/p/me.png"))
+    state, opened = EditorState(playing=True, aim=AimTool("bright"), shown="albedo"), opened_photo(Path("/p/me.png"))
     state.photo = opened.source
     state.snapshot = Snapshot(opened=opened, picture=SimpleNamespace())
     tool.show(state)
-    assert (state.playing, state.aim, state.shown) == (False, "", "result")
+    assert (state.playing, state.aim.target, state.shown) == (False, "", "result")
     assert [state.faces.is_open, state.brush.is_open] == [tool is face_edits, tool is brush_edits]
 
 
 def test_the_next_photo_is_shown_relit_whatever_was_shown_of_the_one_before():
     state = EditorState()
     state.accept(Snapshot(opened=opened_photo(Path("/p/me.png"))))
-    state.shown, state.aim, state.aim_hit = "albedo", "bright", True
+    state.shown, state.aim.target, state.aim.has_placed = "albedo", "bright", True
     state.accept(Snapshot(opened=opened_photo(Path("/p/you.png"))))
-    assert (state.shown, state.aim, state.aim_hit) == ("result", "", False)
+    assert (state.shown, state.aim.target, state.aim.has_placed) == ("result", "", False)

@@ -158,10 +158,10 @@ def test_a_click_on_the_face_places_a_lamp_and_the_picture_answers(opened):
     state = opened.window.state
     before = opened.picture_pixels(96, 128).astype(float)
     opened.key(glfw.KEY_B)
-    assert state.aim == "bright"
+    assert state.aim.target == "bright"
     opened.click((opened.centre()[0] + 20, opened.centre()[1] + 10))
     opened.settle()
-    assert state.aim == ""
+    assert state.aim.target == ""
     (box,) = state.light_edit.boxes
     assert box != SoftBox()
     assert box.direction[0] > 0.2
@@ -194,13 +194,13 @@ def test_a_click_beside_the_face_tells_so_and_lets_one_try_again(opened):
     opened.click((beside[0], beside[1] - 31))
     opened.settle()
     assert state.light_edit.boxes == ()
-    assert state.aim == "highlight"
+    assert state.aim.target == "highlight"
     assert "no face there" in state.message().text
     opened.click(on_it)
     opened.settle()
     assert len(state.light_edit.boxes) == 1
     assert state.message() is None
-    assert state.aim == ""
+    assert state.aim.target == ""
 
 
 def test_what_a_click_beside_the_face_was_told_leaves_with_the_tool(opened):
@@ -210,5 +210,5 @@ def test_what_a_click_beside_the_face_was_told_leaves_with_the_tool(opened):
     opened.settle()
     assert "no face there" in state.message().text
     opened.key(glfw.KEY_ESCAPE)
-    assert state.aim == ""
+    assert state.aim.target == ""
     assert state.message() is None

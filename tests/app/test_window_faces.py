@@ -247,8 +247,8 @@ def test_the_panels_button_for_a_highlight_puts_the_tool_over_the_picture_away(o
 
 def test_a_lamp_that_was_to_be_placed_is_not_on_the_next_photo(opened, relighter, photo_path):
     opened.key(glfw.KEY_K)
-    assert opened.window.state.aim == "highlight"
+    assert opened.window.state.aim.target == "highlight"
     relighter.blind = True
     opened.drop(shutil.copy(photo_path, photo_path.with_name("other.png")))
     assert opened.window.state.faces.is_open
-    assert opened.window.state.aim == ""
+    assert opened.window.state.aim.target == ""

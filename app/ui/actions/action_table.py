@@ -37,8 +37,8 @@ def _close(state: EditorState) -> None:
         face_edits.cancel(state)
     elif state.brush.is_open:
         brush_edits.cancel(state)
-    elif state.aim or state.playing:
-        state.aim, state.playing = "", False
+    elif state.aim.target or state.playing:
+        state.aim.target, state.playing = "", False
     elif not state.asking.call_off() and state.snapshot.message:
         state.dismissed = state.snapshot.message.number
 

@@ -114,7 +114,7 @@ BOXES = (
         "Then click on the face where the shine should be",
         _aim("highlight"),
         available=has_picture,
-        is_on=lambda state: state.aim == "highlight",
+        is_on=lambda state: state.aim.target == "highlight",
     ),
     Action(
         "Place the bright side",
@@ -123,7 +123,7 @@ BOXES = (
         "Then click on the face where it should be brightest",
         _aim("bright"),
         available=has_picture,
-        is_on=lambda state: state.aim == "bright",
+        is_on=lambda state: state.aim.target == "bright",
     ),
     Action(
         "Move the light's own lamps",

@@ -95,7 +95,7 @@ def _aim_tools(state: EditorState) -> None:
     for index, (aim, label, tooltip) in enumerate(_AIMS):
         if index and in_a_row:
             imgui.same_line(0.0, _SPACING)
-        if widgets.toggle(label, state.aim == aim, width):
+        if widgets.toggle(label, state.aim.target == aim, width):
             light_edits.switch_aim(state, aim)
         imgui.set_item_tooltip(("Moves the selected soft box. " if state.selected_box >= 0 else "") + tooltip)
     imgui.end_disabled()

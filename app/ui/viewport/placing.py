@@ -28,7 +28,7 @@ def drag(state: EditorState, arranged: Arrangement, at: tuple[float, float]) -> 
     Args:
         at: the mouse in the viewport, in framebuffer pixels.
     """
-    if not state.aim or arranged.main is None or arranged.main.name in LIGHTS:
+    if not state.aim.target or arranged.main is None or arranged.main.name in LIGHTS:
         return False
     if imgui.is_item_hovered():
         imgui.set_mouse_cursor(imgui.MouseCursor_.hand)
@@ -36,20 +36,20 @@ def drag(state: EditorState, arranged: Arrangement, at: tuple[float, float]) -> 
         state.hand_on_control = True
         pressed = imgui.is_item_activated()
         placed = _place(state, arranged, at, pressed)
-        state.aim_hit = placed or (state.aim_hit and not pressed)
-    elif imgui.is_item_deactivated() and state.aim_hit:
+        state.aim.has_placed = placed or (state.aim.has_placed and not pressed)
+    elif imgui.is_item_deactivated() and state.aim.has_placed:
         # After a click beside the face the next one may hit it.
-        state.aim, state.aim_hit = "", False
+        state.aim.target, state.aim.has_placed = "", False
     return imgui.is_item_active() or not imgui.get_io().mouse_wheel
 
 
 def hint(state: EditorState, rect: Rect) -> None:
     """What the next click does; once the tool is left, the message about a click that missed goes as well."""
-    if not state.aim:
+    if not state.aim.target:
         _put_refusal_away(state)
     else:
         em = imgui.get_font_size()
-        words = f"{_WORDS[state.aim]}.  Esc to leave it"
+        words = f"{_WORDS[state.aim.target]}.  Esc to leave it"
         note(words, rect.x + (rect.width - note_width(words)) / 2, rect.y + em)
 
 
@@ -78,11 +78,11 @@ def _place(state: EditorState, arranged: Arrangement, at: tuple[float, float], p
         return False
     if "normal" in picture.relit.channels:
         # While the hand moves only visible channels are made; the normals of before remain valid.
-        state.aim_at = picture.relit
-    if state.aim_at is None:
+        state.aim.picture = picture.relit
+    if state.aim.picture is None:
         return False
     x, y = photo_point(pane.placement, pane.frame, at)
-    direction = lamp_for_spot(state.aim_at.channels, channel_view_of(state.aim_at), x, y, state.aim)
+    direction = lamp_for_spot(state.aim.picture.channels, channel_view_of(state.aim.picture), x, y, state.aim.target)
     if direction is None:
         if pressed:
             only = state.snapshot.opened.source.face_index
@@ -100,9 +100,9 @@ def _place(state: EditorState, arranged: Arrangement, at: tuple[float, float], p
 def _refuse(state: EditorState, why: str) -> None:
     """Show why a click places no lamp, until one does or the tool is left."""
     state.asking.tell(why)
-    state.aim_refusal = why
+    state.aim.refusal = why
 
 
 def _put_refusal_away(state: EditorState) -> None:
-    if (message := state.message()) is not None and message.text == state.aim_refusal:
+    if (message := state.message()) is not None and message.text == state.aim.refusal:
         state.dismissed = message.number

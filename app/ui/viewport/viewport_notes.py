@@ -57,7 +57,7 @@ def pane_titles(state: EditorState, arranged: Arrangement, rect: Rect, scale: fl
         return
     em = imgui.get_font_size()
     before, after = arranged.panes
-    covered = state.look.probe or state.look.timings or state.aim
+    covered = state.look.probe or state.look.timings or state.aim.target
     foot_em = 2.1 if _colours(state, arranged.main) is None else _legend_foot_em(rect) + 2.5
     y = rect.y + (rect.height - foot_em * em if covered else 0.6 * em)
     left = TITLES[before.name]
