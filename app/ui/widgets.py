@@ -178,13 +178,10 @@ def _typing_is_done(state: EditorState, began: bool) -> bool:
 
 
 def typed_colour(state: EditorState, colour: Sequence[float]) -> tuple[float, ...] | None:
-    """A line to type "#rrggbb" in, drawn in place of a swatch while `state.typing` is its label.
+    """Input for "#rrggbb", drawn in place of a swatch while `state.typing` is its label; None until it is typed.
 
     Args:
-        colour: red, green and blue in [0, 1] that the line begins with.
-
-    Returns:
-        The colour that was typed, likewise; None as long as there is none.
+        colour: what the line begins with; red, green and blue in [0, 1], as what is returned.
     """
     shown = hex_of(colour)
     imgui.set_next_item_width(imgui.get_content_region_avail().x)
@@ -200,10 +197,7 @@ def typed_colour(state: EditorState, colour: Sequence[float]) -> tuple[float, ..
 
 
 def hex_of(colour: Sequence[float]) -> str:
-    """Red, green and blue in [0, 1] as "#rrggbb".
-
-    A brighter colour, as a light's own lamp may have, is scaled down until it fits.
-    """
+    """Red, green and blue in [0, 1] as "#rrggbb"; a brighter colour, as of a light's own lamp, is scaled to fit."""
     brightest = max(1.0, *colour)
     return "#" + "".join(f"{round(value / brightest * 255):02x}" for value in colour)
 
@@ -339,14 +333,9 @@ def narrow_buttons() -> Iterator[None]:
 
 
 def fit_in_row(labels: Sequence[str], room: float, spacing: float) -> tuple[bool, float]:
-    """Lay out equal `narrow_buttons`, in a row where all their labels fit, else below one another.
+    """Whether equal `narrow_buttons` of these labels fit in a row, and the width of each: its part or all the room.
 
-    Args:
-        room: width there is, in window units.
-        spacing: between two buttons of a row, likewise.
-
-    Returns:
-        Whether they fit in a row, and the width of each button: an equal part of the room, or all of it.
+    All lengths are in window units; buttons that don't fit in a row are to be placed below one another.
     """
     width = (room - spacing * (len(labels) - 1)) / max(1, len(labels))
     fits = all(imgui.calc_text_size(label).x + 2.0 * _NARROW_PADDING <= width for label in labels)
