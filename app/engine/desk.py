@@ -205,6 +205,7 @@ class Desk:
         faces = self._faces_of(source, photo)
         seen = next((known for known in (now.coming, now.opened) if known is not None and known.photo is photo), None)
         is_same = seen is not None and seen is now.opened
+        self._tiers.begin_again()
         if not is_same:
             self._tiers.forget_photo()
             # Else they would keep the photo before, which may take hundreds of megabytes.

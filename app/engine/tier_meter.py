@@ -68,6 +68,11 @@ class TierMeter:
             return
         self._observed.setdefault(quality, deque(maxlen=_OBSERVED)).append(computed_ms(stages))
 
+    def begin_again(self) -> None:
+        """With other faces in sight, what is being measured is measured anew: its pictures show the ones before."""
+        if self._calibration is not None:
+            self._calibration = Calibration()
+
     def forget_photo(self) -> None:
         """Another photo has another size: what was observed no longer holds."""
         self._observed.clear()

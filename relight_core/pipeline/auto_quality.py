@@ -84,10 +84,15 @@ class Relights(Protocol):
 class Calibration:
     """Measures the tiers on the portrait that is open, one tier a step, so that nobody waits long.
 
-    All of them on the surface of the picture at rest, as "auto" uses them.
+    All of them on the surface of the picture at rest, as "auto" uses them, and under one light: a tier's error is
+    told by pictures of the same. Of another portrait another calibration has to be begun.
     """
 
     def __init__(self) -> None:
+        self._begin(None)
+
+    def _begin(self, light: Environment | None) -> None:
+        self._light = light
         self._costs: dict[str, TierCost] = {}
         self._references: list[np.ndarray] = []
         self._pending = sorted(TIERS, key=lambda name: name != _AT_REST)
@@ -98,7 +103,12 @@ class Calibration:
         return None if self._pending else dict(self._costs)
 
     def measure_next(self, relighter: Relights, environment: Environment) -> None:
-        """Measure one more tier: one update to prepare it, then one for each of five angles."""
+        """Measure one more tier: one update to prepare it, then one for each of five angles.
+
+        Under another light than the tier before, all of them are measured anew.
+        """
+        if environment is not self._light:
+            self._begin(environment)
         name = self._pending[0]
         prepared = Edit(quality=name, channels=(), surface_of=_AT_REST)
         relighter.relight(environment, prepared, _PREVIEW_PX, for_shader=True)

@@ -37,8 +37,22 @@ class Timed(FakeRelighter):
         return replace(super().relight(*arguments, **named), stages=stages)
 
 
-def a_photo(value=0.5):
-    return Photo(np.full((24, 32, 3), value, np.float32))
+class Interrupted(FakeRelighter):
+    """Something else is wanted while it makes its first draft; what it makes shows which face it is of."""
+
+    wanted = None
+
+    def relight(self, environment, edit, longest_side_px=None, *, for_shader=False):
+        if edit.quality == "draft" and self.wanted is not None:
+            engine, request = self.wanted
+            self.wanted = None
+            engine.submit(request)
+        relit = super().relight(environment, edit, longest_side_px, for_shader=for_shader)
+        return replace(relit, image=relit.image * np.float32(1 / self.people[0].x1))
+
+
+def a_photo(value=0.5, size=(24, 32)):
+    return Photo(np.full((*size, 3), value, np.float32))
 
 
 @pytest.fixture
@@ -249,6 +263,28 @@ def test_what_the_tiers_cost_is_measured_once_and_known_from_then_on(started, co
     known = answered(started(later, calibration_path=costs_path), Request(source, SPLIT, Edit()))
     assert known.tier_costs == measured.tier_costs
     assert len(later.relights) == 1
+
+
+LARGER, PHOTO = a_photo(0.25, (40, 36)), a_photo()
+
+
+@pytest.mark.parametrize(
+    ("photo", "light"),
+    [
+        (PhotoSource(LARGER), SPLIT),
+        (PhotoSource(PHOTO, None, (BOX,)), SPLIT),
+        (PhotoSource(PHOTO), LightSource("rig", "ring")),
+    ],
+    ids=["another photo", "another face", "another light"],
+)
+def test_tiers_are_compared_by_pictures_of_the_same(started, costs_path, photo, light):
+    relighter = Interrupted()
+    engine = started(relighter, calibration_path=costs_path)
+    relighter.wanted = engine, Request(photo, light, Edit())
+    measured = answered(engine, Request(PhotoSource(PHOTO), SPLIT, Edit()))
+    assert measured.light.source is light
+    assert measured.message is None
+    assert {name: cost.error for name, cost in measured.tier_costs.items()} == {"draft": 0, "live": 0, "final": 0}
 
 
 def test_what_a_photo_s_pictures_cost_is_forgotten_with_the_photo(started, costs_path):
