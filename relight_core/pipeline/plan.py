@@ -339,7 +339,8 @@ def _keys(scene: Scene, edit: Edit, needed: set[str], network: bool) -> dict[str
     gains = edit.sliders if "sliders" in needed else Edit().sliders
     image = (compose, "residual" in needed)
     change = (image, gains, "detail" in needed, scene.level)
-    mirrored = (scene.mirrored, scene.irises) if "catchlights" in needed else None
+    # Where no shadow is wanted, nothing is hidden from an eye either.
+    mirrored = (scene.mirrored, scene.irises, "shadow" in needed) if "catchlights" in needed else None
     catchlights = (edges, mirrored)
     strength = (change, catchlights, edit.strength)
     backdrop = scene.backdrop if edit.background == "light" else None
