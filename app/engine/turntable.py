@@ -69,7 +69,7 @@ def write_pictures(
     """
     if os.path.lexists(folder):
         raise InputError(f"{folder}: is there already; choose another name")
-    beside = folder.with_name(f".{folder.name[:100]}-{secrets.token_hex(6)}.part")
+    beside = folder.with_name(f".{secrets.token_hex(8)}.part")
     try:
         beside.mkdir()
         for index, frame in enumerate(frames):

@@ -45,6 +45,12 @@ def test_each_written_picture_is_counted(tmp_path):
     assert told == [(1, 3), (2, 3), (3, 3)]
 
 
+def test_pictures_may_have_the_longest_name_that_a_folder_can_have(tmp_path):
+    folder = tmp_path / ("\N{CJK UNIFIED IDEOGRAPH-7167}" * 85)
+    write_pictures(folder, iter(np.zeros((1, 2, 2, 3), np.uint8)), 1, unheeded, lambda path, frame: path.touch())
+    assert [path.name for path in folder.iterdir()] == ["0001.png"]
+
+
 def test_a_film_has_24_frames_a_second_and_begins_to_play_before_all_of_it_is_there(tmp_path):
     told = []
     path = tmp_path / "turn.mp4"
