@@ -99,6 +99,9 @@ class Desk:
         """
         photo = None if request.photo in now.refused else request.photo
         light = None if request.light in now.refused else request.light
+        if self._loading is not None and self._loading[0] is not photo:
+            # Read for nothing: another photo is wanted by now, or it was refused.
+            self._loading = None
         if photo is not None and photo is not _source(now.opened):
             is_read = self._loading is not None and self._loading[0] is photo
             if is_read and now.light is None and light is not None and light.kind == "rig":
@@ -202,17 +205,17 @@ class Desk:
         """
         source, photo = self._loading
         self._loading = None
-        faces = self._faces_of(source, photo)
         seen = next((known for known in (now.coming, now.opened) if known is not None and known.photo is photo), None)
         is_same = seen is not None and seen is now.opened
+        # Before the Relighter has the photo: what fails after that would leave the portrait in force another's.
+        screen = seen.screen if seen else radiance_for_screen(photo.linear, photo.alpha)
+        faces = self._faces_of(source, photo)
         self._tiers.begin_again()
         if not is_same:
             self._tiers.forget_photo()
             # Else they would keep the photo before, which may take hundreds of megabytes.
             self._ready_for = self._failed = None
-        self._portrait = OpenPhoto(
-            source, photo, seen.screen if seen else radiance_for_screen(photo.linear, photo.alpha)
-        )
+        self._portrait = OpenPhoto(source, photo, screen)
         is_own = now.light is not None and now.light.source.kind == "own"
         # Where the last face was taken away there is nothing to estimate it anew from.
         light = None if is_own and (faces or not is_same) else now.light

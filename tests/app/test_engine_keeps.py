@@ -1,6 +1,9 @@
 """What the engine keeps between steps, and what it lets go: lights, channels, portraits, costs, refusals."""
 
+import gc
+import weakref
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +13,7 @@ from app.engine import tier_meter
 from app.engine.calibration_file import write_costs
 from app.engine.engine import Engine
 from app.engine.sources import LightSource, PhotoSource, Request
+from relight_core.errors import InputError
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.write import write_image
@@ -247,6 +251,26 @@ def test_what_a_correction_was_refused_for_is_not_asked_again_while_its_photo_is
     answered(engine, Request(refused, SPLIT, Edit()))
     after = answered(engine, Request(PhotoSource(first.place, None, (BOX,)), SPLIT, Edit()))
     assert refused in after.refused
+
+
+def test_a_photo_that_was_read_before_the_networks_could_not_be_loaded_is_not_kept(monkeypatch):
+    def fail():
+        raise InputError("relight.safetensors: damaged; fetch it again")
+
+    read = []
+
+    def read_it(path):
+        photo = a_photo()
+        read.append(weakref.ref(photo))
+        return photo
+
+    monkeypatch.setattr("app.engine.desk.read_photo", read_it)
+    engine = Engine(fail)
+    source = PhotoSource(Path("a.png"))
+    assert source in answered(engine, Request(source, SPLIT, Edit())).refused
+    gc.collect()
+    assert [photo() for photo in read] == [None]
+    engine.close()
 
 
 @pytest.fixture

@@ -50,6 +50,21 @@ def test_a_portrait_that_does_not_come_back_after_a_borrowed_light_is_no_end(eng
     assert answered(engine, Request(second, SPLIT, Edit())).picture.opened.source is second
 
 
+def test_a_photo_that_memory_runs_out_for_is_not_relit_in_the_place_of_the_one_that_stays(engine, monkeypatch):
+    first, second = grey_source(0.25), grey_source(0.75)
+    answered(engine, Request(first, SPLIT, Edit()))
+
+    def fail(*_):
+        raise MemoryError("not enough memory")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("app.engine.desk.radiance_for_screen", fail)
+        assert answered(engine, Request(second, SPLIT, Edit())).opened.source is first
+    picture = answered(engine, Request(second, SPLIT, Edit(yaw_deg=9.0))).picture
+    assert picture.opened.source is first
+    assert picture.relit.image.max() == 0.25
+
+
 def test_a_step_that_can_not_even_be_given_up_is_told_and_the_next_request_answered(engine, monkeypatch):
     def fail(now):
         raise RuntimeError("neither way")
