@@ -105,6 +105,8 @@ def test_points_too_near_to_be_seen_are_left_out_and_a_long_stroke_becomes_sever
     paint(state, *way, radius_px=1.0)
     _, _, *parts = state.photo.strokes
     assert len(parts) == 4
+    paint(state, *way[:256], radius_px=1.0)
+    assert len(state.photo.strokes) == 7, "as many points as one may have are one"
     checked_strokes(parts)
     for before, after in zip(parts, parts[1:], strict=False):
         assert before.points[-1] == after.points[0]
@@ -160,8 +162,9 @@ def test_there_is_no_brush_before_a_picture_or_while_another_photo_is_on_its_way
 
 def test_as_found_forgets_all_strokes(state):
     paint(state, (10, 10))
+    brush_edits.begin(state, (30, 30), 4.0, True)
     brush_edits.forget(state)
-    assert state.photo.strokes == ()
+    assert (state.photo.strokes, state.brush.painting) == ((), None)
     assert state.brush.is_open
 
 
@@ -224,9 +227,16 @@ def test_choosing_a_face_while_another_photo_is_on_its_way_keeps_the_strokes(sta
     assert (state.photo.path, state.photo.face_index, len(state.photo.strokes)) == (PLACE, 0, 1)
 
 
+def test_a_brush_that_is_put_away_paints_no_more(state):
+    brush_edits.begin(state, (10, 10), 4.0, True)
+    brush_edits.done(state)
+    assert (state.brush.painting, state.photo.strokes) == (None, ())
+
+
 def test_the_brush_adds_whenever_it_is_taken_up(state):
-    brush_edits.turn_over(state)
-    assert not state.brush.adds
+    for adds in (False, True, False):
+        brush_edits.turn_over(state)
+        assert state.brush.adds is adds
     for _ in range(2):
         brush_edits.switch(state)
     assert (state.brush.is_open, state.brush.adds) == (True, True)

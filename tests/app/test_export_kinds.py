@@ -94,10 +94,23 @@ def test_a_picture_can_be_made_smaller(request, tmp_path, form, kept, side, size
             assert file.channels()["RGB"].pixels.shape == (*size[::-1], 3)
 
 
+@pytest.mark.parametrize("side", [None, 30])
+def test_what_was_taken_away_is_transparent_in_the_file(picture, tmp_path, side):
+    alpha = np.ones((40, 60), np.float32)
+    alpha[:20] = 0.0
+    relit = picture.relit
+    relit.alpha, relit.full.has_alpha = alpha, True
+    relit.full.in_bands = lambda wide: cut(relit.image, alpha)
+    written = Image.open(export(ExportJob(picture, 0.0, tmp_path / "out.png", ExportSettings(longest_side=side))))
+    assert written.mode == "RGBA"
+    assert [written.getpixel((9, row))[3] for row in (4, written.height - 4)] == [0, 255]
+
+
 @pytest.mark.parametrize(("deep", "kind"), [(False, np.float16), (True, np.float32)])
 def test_layers_have_the_picture_s_size_and_depth(lit, tmp_path, deep, kind):
     settings = ExportSettings(".exr", deep, longest_side=64, layers=("albedo", "shadow"))
     with OpenEXR.File(str(export(ExportJob(lit, 0.0, tmp_path / "out.exr", settings)))) as file:
+        assert file.header()["relightLight"] == "Ring"
         layers = {name: channel.pixels for name, channel in file.channels().items()}
     assert {name.split(".")[0] for name in layers} >= {"albedo", "shadow"}
     assert {layer.shape[:2] for layer in layers.values()} == {(48, 64)}

@@ -27,6 +27,8 @@ def test_the_first_free_number_is_taken(tmp_path):
     assert free_path(wish).name == "a.b-relit-2.png"
     (tmp_path / "a.b-relit-2.png").touch()
     assert free_path(wish).name == "a.b-relit-3.png"
+    (tmp_path / "a.jpg").touch()
+    assert free_path(tmp_path / "a.jpg").name == "a-2.jpg"
 
 
 def test_a_dangling_link_is_not_free(tmp_path):
@@ -87,6 +89,22 @@ def test_an_export_takes_no_name_that_is_taken_as_it_is_given(picture, tmp_path,
 def test_an_export_that_fails_is_told_by_its_own_name(picture, tmp_path):
     with pytest.raises(InputError, match=r"gone/out\.png: there is no folder"):
         export(ExportJob(picture, 0.0, tmp_path / "gone" / "out.png"))
+
+
+def test_a_name_that_is_too_long_for_the_disk_is_told_in_a_line_and_leaves_nothing(picture, tmp_path):
+    with pytest.raises(InputError, match=r"x\.png: can't be written"):
+        export(ExportJob(picture, 0.0, tmp_path / f"{300 * 'x'}.png"))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_tilde_is_the_user_s_folder_where_the_photo_may_lie(picture, tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    (tmp_path / "photo.png").write_bytes(b"the photo")
+    assert export(ExportJob(picture, 0.0, Path("~/photo.png"))) == tmp_path / "photo-2.png"
+    assert export(ExportJob(picture, 0.0, Path("~/other.png"), replaces=True)) == tmp_path / "other.png"
+    with pytest.raises(InputError, match="that is the photo itself"):
+        export(ExportJob(picture, 0.0, Path("~/photo.png"), replaces=True))
+    assert (tmp_path / "photo.png").read_bytes() == b"the photo"
 
 
 def test_an_export_has_the_photo_s_size_though_a_preview_is_in_force(picture, tmp_path):

@@ -46,6 +46,7 @@ def test_boxes_are_as_found_until_they_are_moved(state):
     assert face_edits.wished_boxes(state) == (ONE, TWO)
     drop(state, (THREE, TWO))
     assert face_edits.wished_boxes(state) == (THREE, TWO)
+    assert state.faces.held is None
     assert state.photo.place is state.snapshot.opened.photo, "it is not read again"
     assert state.document().photo.boxes == (THREE, TWO)
 
@@ -91,6 +92,10 @@ def test_escape_brings_back_who_was_relit_alone(state):
     assert state.photo.boxes == (ONE,), "what was dragged went with its box"
     face_edits.cancel(state)
     assert (state.photo.face_index, state.photo.boxes) == (1, None)
+    face_edits.show(state)
+    state.choose_face(0)
+    face_edits.cancel(state)
+    assert state.photo.face_index == 1, "also where no box was touched"
 
 
 def test_done_keeps_what_was_changed(state):
@@ -158,6 +163,7 @@ def test_choosing_a_face_keeps_the_boxes(state):
     answered(state, (ONE, TWO))
     state.choose_face(0)
     assert state.photo.boxes == (THREE, TWO)
+    assert not face_edits.is_searching(state)
 
 
 def test_finding_again_shows_nothing_until_it_is_known(state):

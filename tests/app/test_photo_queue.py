@@ -25,6 +25,27 @@ def test_a_queue_goes_on_from_where_a_photo_of_its_own_is_refused():
     assert queue.refused(PhotoQueue(), stays=None) == queue
 
 
+def test_a_step_leads_to_the_next_photo_and_never_beyond_the_ends():
+    queue = PhotoQueue((A, B, C), 1, is_beside=True)
+    assert (queue.step(1), queue.step(-1)) == (PhotoQueue((A, B, C), 2), PhotoQueue((A, B, C), 0))
+    assert (queue.step(2), queue.step(-2), PhotoQueue().step(1)) == (None, None, None)
+
+
+def test_its_label_counts_from_one_and_has_no_number_beside_another_photo():
+    assert [PhotoQueue((A, B), at).label for at in (0, 1)] == ["1 of 2", "2 of 2"]
+    assert PhotoQueue((A, B), 1, is_beside=True).label == "\N{EN DASH} of 2"
+
+
+def test_whatever_is_opened_the_queue_knows_whether_it_is_its_own(monkeypatch):
+    monkeypatch.chdir("/")
+    beside = PhotoQueue((A, B), 1, is_beside=True)
+    assert beside.showing(None) == beside
+    assert beside.showing(Path("photos/a.jpg")) == PhotoQueue((A, B), 0)
+    assert beside.showing(Path("photos/b.jpg")) == PhotoQueue((A, B), 1)
+    again = PhotoQueue((A, B), 1).refused(PhotoQueue((A, B)), stays=Path("photos/b.jpg"))
+    assert again == PhotoQueue((A, B), 1), "the photo that stays is the one that was read again in vain"
+
+
 def test_a_photo_that_is_in_it_twice_stays_where_it_was_reached():
     assert PhotoQueue((A, B, A), 2).showing(A) == PhotoQueue((A, B, A), 2)
     assert PhotoQueue((A, B, A), 2).showing(B) == PhotoQueue((A, B, A), 1)

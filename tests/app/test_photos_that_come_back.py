@@ -1,15 +1,18 @@
 """A photo that comes back has its own faces, and its own work is offered and replaced by nothing unasked."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from live_editor import Editor, unsaved_files
-from opened_things import refuse_photo
+from opened_things import SKY, opened_for, refuse_light, refuse_photo
 
-from app.document.session_file import read_session
+from app.document.document import Document, PhotoRef
+from app.document.session_file import read_session, write_session
 from app.engine.sources import PhotoSource
-from app.ui.photo_works import is_worked_on, portrait_of, work_left
+from app.ui.photo_works import is_worked_on, note_saved, portrait_of, session_of_photo, unsaved_work, work_left
 from relight_core.face.find import FaceBox
+from relight_core.pipeline.edit import Edit
 
 BOXES = (FaceBox(0, 0, 2, 2), FaceBox(2, 2, 4, 4))
 
@@ -39,6 +42,13 @@ def drop(editor, photo, **then):
 def save(editor):
     editor.state.asking.wish("save_session")
     editor.live()
+
+
+def open_session(editor, photo, shadow):
+    """Ask for a session of a photo, which is not read yet."""
+    path = photo.with_suffix(".relight.json")
+    write_session(path, Document(PhotoRef(photo), edit=Edit(quality="final", shadow=shadow)))
+    editor.state.open_session(read_session(path).document, path)
 
 
 def faces(editor):
@@ -98,6 +108,14 @@ def test_nor_while_it_is_still_being_read(editor, photos, saved):
     assert questions(editor) == []
 
 
+def test_a_light_that_can_not_be_had_takes_no_session_file_away_from_work_under_another(editor, photos, saved):
+    drop(editor, photos[0])
+    editor.answer_question("Continue")
+    editor.state.choose_light(SKY)
+    refuse_light(editor.state)
+    assert editor.state.session_path == saved
+
+
 def test_its_session_is_offered_and_goes_on(editor, photos, saved):
     drop(editor, photos[0])
     assert questions(editor) == ["session"]
@@ -115,6 +133,78 @@ def test_with_the_settings_it_was_left_with_it_goes_on_unasked(editor, photos, s
     assert questions(editor) == []
     assert editor.state.session_path == saved
     assert not editor.state.is_unsaved()
+    assert is_worked_on(editor.state, photos[0]), "that it is saved makes it no less its own"
+
+
+@pytest.mark.parametrize("way", ["dropped", "undone"])
+def test_that_session_is_the_one_to_save_to_while_it_is_still_being_read(editor, photos, saved, way):
+    state = editor.state
+    if way == "dropped":
+        state.change(shadow=0.2)
+        editor.deeds._take([photos[0]])
+    else:
+        state.restore(state.history.go(0))
+    path, document = session_of_photo(state)
+    assert (path, document.edit.shadow) == (saved, 0.2)
+    assert unsaved_work(state, photos[0]) is None
+
+
+@pytest.mark.parametrize("way", ["session", "history"])
+def test_a_photo_that_is_still_being_read_has_the_work_that_it_is_coming_with(editor, photos, way):
+    state = editor.state
+    if way == "session":
+        open_session(editor, photos[1], 0.4)
+    else:
+        drop(editor, photos[1], shadow=1.7)
+        drop(editor, photos[0])
+        state.restore(state.history.go([step.name for step in state.history.steps].index("Shadow 1.70") - 1))
+    assert (state.photo.path, state.is_at_work()) == (photos[1], False)
+    assert is_worked_on(state, photos[1])
+    assert work_left(state, photos[1]).edit.shadow == (0.4 if way == "session" else 1.0)
+
+
+def test_a_session_that_is_opened_has_nothing_of_the_work_that_waits_for_another_photo(editor, photos):
+    editor.state.change(shadow=0.2)
+    drop(editor, photos[1], shadow=1.7)
+    drop(editor, photos[0])
+    assert work_left(editor.state, photos[0]).edit.shadow == 0.2
+    open_session(editor, photos[1], 0.4)
+    editor.live()
+    assert work_left(editor.state, photos[1]).edit.shadow == 0.4
+
+
+def test_a_photo_that_was_only_looked_at_comes_back_with_what_is_set_now_and_no_question(editor, photos):
+    drop(editor, photos[1])
+    drop(editor, photos[0], shadow=1.7)
+    editor.deeds._take([photos[1]])
+    assert work_left(editor.state, photos[1]).edit.shadow == 1.7
+    editor.live()
+    assert (editor.state.edit.shadow, questions(editor)) == (1.7, [])
+
+
+def test_a_photo_that_was_given_up_before_it_was_read_has_no_work_nor_the_session_of_another(editor, photos):
+    editor.state.change(shadow=0.2)
+    save(editor)
+    editor.state.step_photo(1)
+    editor.state.step_photo(-1)
+    editor.live()
+    assert work_left(editor.state, photos[1]) is None
+    assert unsaved_work(editor.state, photos[1]) is None
+
+
+def test_a_photo_that_comes_when_another_is_wanted_by_then_is_opened_as_itself(editor, photos):
+    editor.state.step_photo(1)
+    coming = opened_for(editor.state.photo)
+    editor.state.step_photo(-1)
+    editor.state.accept(replace(editor.state.snapshot, opened=coming))
+    assert editor.state.kept.photo.path == photos[1]
+
+
+def test_what_was_set_after_saving_began_is_not_lost_when_that_ends_beside_another_photo(editor, photos, saved):
+    as_saved = read_session(saved).document
+    note_saved(editor.state, saved, replace(as_saved, edit=replace(as_saved.edit, shadow=0.1)))
+    assert unsaved_work(editor.state, photos[0]).edit.shadow == 0.2
+    assert work_left(editor.state, photos[0]).edit.shadow == 0.2
 
 
 def test_unsaved_work_stays_for_recovery_and_is_offered_however_often_it_is_passed(editor, photos, folder):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from opened_things import SKY, open_light, refuse_light
 
-from app.document.document import LightRef
+from app.document.document import Document, LightRef
 from app.engine.snapshot import Snapshot
 from app.engine.sources import LightSource
 from app.ui.state import EditorState
@@ -56,6 +56,14 @@ def test_soft_boxes_that_went_along_are_as_they_were_moved_meanwhile(state):
     state.light_edit = replace(state.light_edit, boxes=(LATER,), base=0.7)
     refuse_light(state)
     assert state.light_edit == replace(SET, boxes=(LATER,), base=0.7)
+
+
+def test_where_there_is_nothing_to_go_back_to_soft_boxes_stay_on_the_light_in_force(state):
+    """As of a session, whose light replaces all that was set."""
+    state.put_back(Document(light=LightRef("panorama", SKY.name), light_edit=LightEdit(base=0.1, boxes=(THEIRS,))))
+    refuse_light(state)
+    assert state.light.name == "rembrandt"
+    assert (state.light_edit.boxes, state.light_edit.base) == ((THEIRS,), 0.1)
 
 
 def test_lights_are_never_given_more_soft_boxes_than_fit(state):

@@ -178,6 +178,26 @@ def test_a_soft_box_that_is_deleted_leaves_none_selected():
     assert (state.light_edit.boxes, state.selected_box) == ((boxes[0], boxes[2]), -1)
 
 
+def test_a_soft_box_is_switched_off_and_on_again_and_none_that_is_gone():
+    state = EditorState(light_edit=LightEdit(boxes=(SoftBox(), SoftBox(30.0))), selected_box=1)
+    for off in (True, False):
+        light_edits.switch_box(state)
+        assert [box.off for box in state.light_edit.boxes] == [False, off]
+    state.selected_box = 2
+    assert not light_edits.has_box(state)
+
+
+def test_undo_takes_back_a_level_that_its_picture_has_yet_to_tell_and_nothing_else():
+    state = EditorState()
+    assert not light_edits.can_undo(state)
+    state.change(shadow=0.5)
+    state.asking.level = object()
+    assert light_edits.can_undo(state)
+    light_edits.undo(state)
+    assert (state.asking.level, state.edit.shadow) == (None, 0.5)
+    assert not light_edits.can_undo(state)
+
+
 def test_a_soft_box_is_raised_to_straight_above_and_no_further():
     state = EditorState()
     light_edits.raise_box(state, 5.0)

@@ -3,10 +3,37 @@
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
 from live_editor import Editor
 from opened_things import open_wish, opened_for
 
-from app.engine.sources import LightSource
+from app.engine.sources import LightSource, PhotoSource
+from app.ui.open_work import Undoing
+
+A, B = PhotoSource(Path("/photos/a.png")), PhotoSource(Path("/photos/b.png"))
+SPLIT, RING = LightSource("rig", "split"), LightSource("rig", "ring")
+
+
+@pytest.mark.parametrize(
+    ("photo", "light", "at_work", "in_force", "is_coming"),
+    [
+        (A, SPLIT, False, False, True),
+        (A, SPLIT, True, False, True),
+        (A, SPLIT, True, True, False),
+        (A, RING, True, False, False),
+        (A, RING, False, False, True),
+        (B, SPLIT, False, False, False),
+    ],
+)
+def test_an_undo_is_coming_until_its_photo_and_its_light_are_there(photo, light, at_work, in_force, is_coming):
+    assert Undoing(0, A, SPLIT).is_coming(photo, light, at_work, in_force) == is_coming
+
+
+@pytest.mark.parametrize(
+    ("photo", "light", "is_refused"), [(A, RING, True), (B, SPLIT, True), (B, RING, False), (None, RING, False)]
+)
+def test_an_undo_is_refused_with_a_wish_of_its_own_that_is_still_wanted(photo, light, is_refused):
+    assert Undoing(0, A, SPLIT).is_refused(photo, light, {A, B, SPLIT, RING}) == is_refused
 
 
 def test_a_light_chosen_since_an_undo_is_no_part_of_it_and_goes_along_to_the_next_photo():
