@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from app.engine.places import current_folder, exported_stem, folder_for_outputs, full_path
+from app.engine.places import current_folder, exported_stem, folder_for_outputs, from_home, full_path
 
 
 @pytest.fixture
@@ -47,6 +47,18 @@ def test_a_file_above_a_linked_folder_s_own_place_is_found_there(tmp_path):
     above = tmp_path / "link" / ".." / "me.jpg"
     assert full_path(above).read_text() == "disk"
     assert full_path(tmp_path / "link" / "x.jpg") == tmp_path / "link" / "x.jpg"
+
+
+@pytest.mark.parametrize("allowed", [os.R_OK | os.X_OK, os.R_OK | os.W_OK], ids=["not written", "not entered"])
+def test_files_go_elsewhere_where_that_is_not_allowed(tmp_path, monkeypatch, allowed):
+    monkeypatch.setattr(os, "access", lambda folder, asked: asked & ~allowed == 0)
+    assert folder_for_outputs(tmp_path / "me.jpg") == Path.cwd()
+
+
+def test_a_tilde_with_a_name_is_a_name_and_no_other_user_s_folder(monkeypatch):
+    monkeypatch.setenv("HOME", "/home/me")
+    assert from_home(Path("~/a.png")) == Path("/home/me/a.png")
+    assert from_home(Path("~root/a.png")) == Path("~root/a.png")
 
 
 @pytest.mark.parametrize(

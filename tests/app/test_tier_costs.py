@@ -34,6 +34,7 @@ def _one_machine(monkeypatch):
 
 def turned(ms):
     return {
+        "delight": SimpleNamespace(ms=0.0, state="reused"),
         "irradiance": SimpleNamespace(ms=0.0, state="computed"),
         "compose": SimpleNamespace(ms=ms, state="computed"),
     }
@@ -53,6 +54,7 @@ def test_costs_come_back_on_the_same_machine_only(tmp_path):
     + ['{"version": 1, "key": "here", "tiers": {"draft": {"ms": NaN, "error": 0}}}']
     + [json.dumps({"version": 2, "key": "here", "tiers": {name: {"ms": 3, "error": 0} for name in COSTS}})]
     + [json.dumps({"version": 1, "key": "here", "tiers": {name: {"ms": 3, "error": math.inf} for name in COSTS}})]
+    + ["[" * 100_000]
     + ['{"version": 1, "key": "here", "tiers": {"draft": {"ms": 1%s, "error": 0}}}' % ("0" * 400)],
 )
 def test_damaged_files_count_as_none(tmp_path, content):

@@ -51,6 +51,19 @@ def test_pictures_may_have_the_longest_name_that_a_folder_can_have(tmp_path):
     assert [path.name for path in folder.iterdir()] == ["0001.png"]
 
 
+def test_a_place_where_pictures_can_not_be_is_told_by_the_name_that_was_chosen(tmp_path):
+    frames = iter(np.zeros((1, 2, 2, 3), np.uint8))
+    with pytest.raises(InputError, match=r"gone/turn: can't be made"):
+        write_pictures(tmp_path / "gone" / "turn", frames, 1, unheeded, lambda path, frame: path.touch())
+
+
+def test_where_there_is_no_codec_pictures_are_recommended(tmp_path, monkeypatch):
+    monkeypatch.setattr("app.engine.film._CODEC", "none of this name")
+    with pytest.raises(InputError, match="no codec for MP4 here; export the turntable as pictures"):
+        write_film(tmp_path / "turn.mp4", iter(np.zeros((1, 32, 32, 3), np.uint8)), 1, unheeded)
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_film_has_24_frames_a_second_and_begins_to_play_before_all_of_it_is_there(tmp_path):
     told = []
     path = tmp_path / "turn.mp4"
