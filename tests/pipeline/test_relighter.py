@@ -13,6 +13,7 @@ from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
 from relight_core.lighting.light_edit import LightEdit, edit_light
+from relight_core.pipeline.edit import check_edit
 from relight_core.pipeline.per_photo import choosing_faces
 from relight_core.pipeline.relighter import Relighter
 from relight_core.pipeline.results import display
@@ -125,7 +126,7 @@ def test_a_smaller_picture_is_reused_too(relighter):
         ("strength", (-0.1, 1.1)),
         ("tolerance", (-0.1, 2.0)),
         ("yaw_deg", (np.nan, np.inf, "30", None)),
-        ("background", (None, "beach", (0, 0, 0))),
+        ("background", (None, "beach", (0, 0, 0), "#30343", "#30343ab")),
         ("channel", (("albdo",), "albedo")),
     ],
 )
@@ -135,6 +136,25 @@ def test_settings_out_of_their_ranges_are_refused_by_name(relighter, name, wrong
         for ask in (relighter.relight, relighter.plan, relighter.get_ready):
             with pytest.raises(InputError, match=name):
                 ask(some_light(), edit)
+
+
+@pytest.mark.parametrize(
+    ("name", "ends"),
+    [
+        ("background_fov_deg", (0.001, 170.0)),
+        ("background_blur_deg", (0.0, 20.0)),
+        ("specular", (0.0, 2.0)),
+        ("shadow", (0.0, 2.0)),
+        ("shadow_softness", (0.0, 1.0)),
+        ("specular_tint", (-1.0, 1.0)),
+        ("tolerance", (0.0, 1.0)),
+    ],
+)
+def test_both_ends_of_a_range_belong_to_it_and_nothing_beyond(name, ends):
+    for end in ends:
+        check_edit(replace(EDIT, **{name: end}))
+    with pytest.raises(InputError, match=name):
+        check_edit(replace(EDIT, **{name: ends[1] * 1.01}))
 
 
 def test_a_number_that_is_text_is_told_from_the_number(relighter):
