@@ -172,6 +172,7 @@ def test_a_picture_made_small_for_the_screen_is_exported_at_the_photos_size():
     canvas = SimpleNamespace(photo_size=(HEIGHT, WIDTH), beyond=None)
     full = SimpleNamespace(size=(HEIGHT, WIDTH), changes=(), render=lambda: (whole, None), canvas=canvas)
     small = replace(relit(), image=np.zeros((6, 8, 3), np.float32), full=full)
+    assert small.size == (HEIGHT, WIDTH)
     assert np.array_equal(photo_layers(small, ["albedo"])["RGB"], whole)
     assert photo_layers(small, ["albedo"])["albedo"][30, 40].min() == pytest.approx(0.8)
     assert np.array_equal(shrunk_picture(small, None)[0], whole)
