@@ -162,7 +162,13 @@ class Autosave:
             self._pending = None
         file = self._files.pop(photo, None)
         if file is not None:
-            self._write(file.remove)
+            self._write(partial(self._remove, file))
+
+    def _remove(self, file: KeptFile) -> None:
+        file.remove()
+        if file.failed:
+            # Work that comes later and can't be written for the same reason has to be told of again.
+            self.problem = None
 
     def _save_again(self, file: KeptFile) -> None:
         if file.failed:

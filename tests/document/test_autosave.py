@@ -94,6 +94,14 @@ def test_saved_work_leaves_nothing(autosave, document, folder):
     assert files(folder) == []
 
 
+def test_work_that_is_saved_before_it_was_quiet_leaves_nothing_either(autosave, document, folder):
+    autosave.update(document, True, 0.0)
+    autosave.update(document, False, 0.5)
+    assert not autosave.due
+    autosave.close()
+    assert files(folder) == []
+
+
 def test_a_killed_editor_leaves_its_work(document, folder, tmp_path):
     program = f"""
 import os
@@ -140,6 +148,18 @@ def failing_for(path, really_open):
         return really_open(name, *arguments, **named)
 
     return open_unless
+
+
+def test_what_of_a_leftover_can_not_be_had_is_told_and_the_rest_offered(autosave, document, folder):
+    autosave.update(document, True, 0.0)
+    autosave.close()
+    (path,) = folder.glob("*.json")
+    path.write_text(path.read_text().replace('"yaw_deg": 1.0', '"yaw_deg": 1.0, "sparkle": 2'))
+    told = []
+    (found,) = leftovers(folder, told.append)
+    assert found.document == document
+    assert found.notes == ("unknown setting sparkle was left out",)
+    assert told == ["Unsaved work on me.jpg: unknown setting sparkle was left out"]
 
 
 def test_damaged_leftovers_are_cleared_away(folder):
@@ -193,15 +213,31 @@ def test_work_on_a_file_whose_name_is_no_text_is_kept_and_comes_back(autosave, d
     assert found.document.photo.path == odd
 
 
-def test_whatever_stops_the_writing_is_a_problem_that_is_told(autosave, document, monkeypatch):
+@pytest.mark.parametrize(
+    ("error", "told"), [(ValueError("no such thing"), "no such thing"), (MemoryError(), "MemoryError")]
+)
+def test_whatever_stops_the_writing_is_a_problem_that_is_told(autosave, document, monkeypatch, error, told):
     def fail(*_, **__):
-        raise ValueError("no such thing")
+        raise error
 
     monkeypatch.setattr("app.document.autosave.write_session", fail)
     autosave.update(document, True, 0.0)
     autosave.flush()
-    assert autosave.problem == "no such thing"
+    assert autosave.problem == told
     assert not autosave.keeps
+
+
+def test_what_could_not_be_written_is_no_problem_once_it_is_saved_elsewhere(autosave, document, folder):
+    folder.touch()
+    autosave.update(document, True, 0.0)
+    autosave.flush()
+    first = autosave.problem
+    assert first is not None
+    autosave.note_saved(document)
+    assert autosave.problem is None
+    autosave.update(turned(document, 9.0), True, 20.0)
+    autosave.flush()
+    assert autosave.problem == first
 
 
 def test_a_lock_that_can_not_be_opened_is_told_and_its_work_left_alone(autosave, document, folder):
