@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from app.document.brush_strokes import brush_strokes_content
 from app.document.document import Document, PhotoRef
 from app.document.session_file import read_session, write_session
 from app.engine.sources import PhotoSource
@@ -36,6 +37,15 @@ def session(tmp_path):
 def test_a_face_is_at_least_a_pixel_wide_and_high(session, change):
     with pytest.raises(InputError, match="the box of a face is empty"):
         session(face_boxes=[BOX | change])
+
+
+def test_a_face_and_a_stroke_of_a_large_photo_or_beyond_its_edge_stay_where_they_are(session):
+    box, place = BOX | {"x0": -900.0, "x1": 40_000.5, "y1": 30_000.25}, (12_345.625, -98_765.5)
+    read = session(face_boxes=[box], brush_strokes=[STROKE | {"points": "12345.625,-98765.5"}])
+    assert read.document.photo.boxes == (FaceBox(-900.0, 2.0, 40_000.5, 30_000.25, -30.0),)
+    assert read.document.photo.strokes == (BrushStroke((place,), 3.0, True),)
+    assert brush_strokes_content(read.document.photo.strokes)[0]["points"] == "12345.625,-98765.5"
+    assert read.notes == ()
 
 
 def test_there_are_no_more_faces_and_strokes_than_a_photo_may_have(session):

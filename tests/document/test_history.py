@@ -75,6 +75,10 @@ def test_what_has_not_come_yet_is_taken_back_before_any_step(history, wish):
     history.observe(replace(wish, edit=edited(shadow=0.6).edit), False, 3.0)
     assert history.undo() == edited(shadow=0.6)
     assert history.undo() == START
+    assert not history.can_undo
+    history.observe(wish, False, 4.0)
+    assert history.can_undo
+    assert history.undo() == START
 
 
 def test_wheel_steps_in_a_row_are_one_step_and_later_ones_another(history):
@@ -199,6 +203,10 @@ NAMES = [
     (START, replace(START, quality="draft"), "Quality: draft"),
     (START, edited(background="transparent"), "Background: none"),
     (START, edited(background="#30343a"), "Background: #30343a"),
+    (START, edited(background="match"), "Background: matched"),
+    (edited(background="light"), START, "Background: photo"),
+    (START, edited(background_fov_deg=40.0), "Background width 40°"),
+    (START, edited(background_blur_deg=2.5), "Background blur 2.5°"),
     (START, edited(yaw_deg=-0.3), "Turn light to 0°"),
     (START, edited(specular_tint=0.3), "Specular tint +0.30"),
     (START, edited(strength=0.5), "Strength 0.50"),
@@ -213,12 +221,15 @@ NAMES = [
     (lit(boxes=(BOX,), base=0.5), START, "Delete soft box"),
     (lit(boxes=(BOX, BOX)), lit(boxes=(BOX,)), "Delete soft box"),
     (replace(edited(shadow=0.2), light_edit=LightEdit(boxes=(BOX,))), START, "Reset all"),
+    (replace(edited(shadow=0.2), light_edit=LightEdit(boxes=(KEY,), apart=True)), START, "Reset all"),
     (lit(boxes=(KEY, BOX), apart=True), lit(boxes=(BOX,), apart=True), "Delete key light"),
     (lit(boxes=(KEY, BOX), apart=True), lit(boxes=(KEY,), apart=True), "Delete soft box"),
     (lit(boxes=(KEY,), apart=True), lit(apart=True), "Delete key light"),
     (lit(boxes=(BOX,)), lit(boxes=(replace(BOX, azimuth_deg=3.0),)), "Move soft box 1"),
     (lit(boxes=(BOX, BOX)), lit(boxes=(BOX, replace(BOX, width_deg=9.0, height_deg=4.0))), "Resize soft box 2"),
     (lit(boxes=(BOX,)), lit(boxes=(replace(BOX, kelvin=3000.0),)), "Colour of soft box 1"),
+    (lit(boxes=(BOX,)), lit(boxes=(replace(BOX, colour=(1.0, 0.2, 0.1)),)), "Colour of soft box 1"),
+    (lit(boxes=(BOX,)), lit(boxes=(replace(BOX, intensity=2.0),)), "Brightness of soft box 1"),
     (lit(boxes=(BOX,)), lit(boxes=(SoftBox(1, 2, 3, 4, 0.5, 6000, None, 7),)), "Change soft box 1"),
     (lit(boxes=(BOX,)), lit(boxes=(replace(BOX, form="disc", width_deg=9.0, height_deg=9.0),)), "Shape of soft box 1"),
     (lit(boxes=(ROUND,)), lit(boxes=(replace(ROUND, hole=0.5),)), "Shape of soft box 1"),
@@ -233,6 +244,10 @@ NAMES = [
     (lit(boxes=(KEY, BOX)), lit(boxes=(KEY, replace(BOX, softness=0.1))), "Soften soft box 1"),
     (START, lit(warmth=-0.5), "Light warmth \N{MINUS SIGN}0.50"),
     (START, lit(blur_deg=12.0), "Light blur 12°"),
+    (START, lit(level_ev=1.5), "Light level +1.50 EV"),
+    (START, lit(base=0.25), "Room light 0.25"),
+    (START, lit(saturation=0.5), "Light saturation 0.50"),
+    (START, lit(tint=0.5), "Light tint +0.50"),
     (START, lit(metered=True), "Meter the light"),
     (lit(metered=True), START, "Light as its file says"),
     (SKY, replace(SKY, light_edit=LightEdit(level_ev=2.0, blur_deg=9.0)), "Change several settings"),

@@ -8,6 +8,7 @@ import pytest
 from app.document.json_fields import (
     Fields,
     NotThereError,
+    holds_json,
     is_place_for,
     is_too_large,
     kind_of,
@@ -186,3 +187,23 @@ def test_a_picture_is_known_by_its_name_in_large_letters_and_named_in_full(tmp_p
     (tmp_path / "ME.JPG").write_bytes(b"pixels")
     found = path_from_file("deep/../ME.JPG", tmp_path, (".jpg",), "here")
     assert str(found) == str(tmp_path / "ME.JPG")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no such names there")
+def test_a_name_that_leads_elsewhere_is_refused_even_where_a_file_is_called_so(tmp_path):
+    (tmp_path / "~").mkdir()
+    for path in (tmp_path / "~" / "me.jpg", tmp_path / "\\\\host\\me.jpg", tmp_path / "me.jpg"):
+        path.write_bytes(b"pixels")
+    for text in ("~/me.jpg", "\\\\host\\me.jpg", f"/{tmp_path / 'me.jpg'}"):
+        with pytest.raises(InputError, match="is not a file beside it"):
+            path_from_file(text, tmp_path, (".jpg",), "here")
+
+
+NOT_OURS = [b"[" * 100_000, b'{"relight": "light", "name": "\xff"}', b"[7]", b'{"relight": 7}']
+
+
+@pytest.mark.parametrize("content", NOT_OURS)
+def test_what_is_no_file_of_ours_is_of_no_kind_and_holds_nothing(path, content):
+    path.write_bytes(content)
+    assert kind_of(path) is None
+    assert not holds_json(path, "light", 1, {})
