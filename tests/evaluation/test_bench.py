@@ -236,6 +236,13 @@ def test_a_picture_out_of_bounds_is_told(weights, photo, monkeypatch):
     assert "OUT OF BOUNDS" in session_words(savings)
 
 
+@pytest.mark.parametrize("turns", [1, 7, 12, 24, 35])
+def test_visits_of_enough_lights_come_to_every_stop_of_the_circle(turns):
+    lights = [some_light(number) for number in range((turns + 1) // 2)]
+    yaws_deg = {edit.yaw_deg for light, edit in visits(lights, turns) if light in lights and edit.quality == "live"}
+    assert sorted(yaws_deg) == pytest.approx([360 * stop / turns for stop in range(turns)])
+
+
 def test_visits_try_every_rule_under_every_light(weights, photo):
     lights = [some_light(), some_sky()]
     steps = visits(lights, turns=24)
