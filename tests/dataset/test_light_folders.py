@@ -23,7 +23,9 @@ def folder(tmp_path):
             write_panorama(places / f"place {place}" / f"{number}.hdr", 1.0 + place)
     write_panorama(places / "kitchen_01_1k.hdr", 0.5)
     write_panorama(places / "kitchen_02_4k.HDR", 0.5)
+    write_panorama(places / "place 1" / "at night" / "0.hdr", 2.0)
     (places / "notes.txt").write_text("bought in spring")
+    (places / "more.hdr").mkdir()
     return places
 
 
@@ -32,7 +34,10 @@ def test_panoramas_of_a_place_share_a_group(folder):
     groups = dict(zip(arrays["names"].tolist(), arrays["group"].tolist(), strict=True))
     assert groups["place 3/0"] == groups["place 3/1"] == "place 3"
     assert groups["kitchen_01_1k"] == groups["kitchen_02_4k"] == "kitchen"
-    assert arrays["env64"].shape == (14, 64, 128, 3)
+    assert groups["place 1/at night/0"] == "place 1"
+    assert list(groups)[:3] == ["kitchen_01_1k", "kitchen_02_4k", "place 0/0"]
+    assert list(groups) == sorted(groups)
+    assert arrays["env64"].shape == (15, 64, 128, 3)
     at = arrays["names"].tolist().index("place 4/1")
     np.testing.assert_allclose(arrays["env64"][at], 5.0, rtol=0.02)
 

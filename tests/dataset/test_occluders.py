@@ -33,6 +33,17 @@ def test_only_light_from_behind_it_is_taken():
     assert (free[TOWARD[:, 0] < 0.5] == 1).all()
 
 
+def test_each_of_two_things_takes_its_own_and_only_from_who_has_it_ahead():
+    either = Occluder(np.float32([[2, 0, 0], [0, 2, 0]]), np.float32([0.5, 0.5]))
+    before, beyond = transmission(either, np.float32([[0, 0, 0], [4, 0, 0]])).numpy().T
+    right, left, up = TOWARD[:, 0] > 0.99, TOWARD[:, 0] < -0.99, TOWARD[:, 1] > 0.99
+    assert before[right].max() < 0.05
+    assert before[up].max() < 0.05
+    assert before[left].min() == 1
+    assert beyond[right].min() == 1
+    assert beyond[left].max() < 0.05
+
+
 def test_two_things_take_no_more_than_all():
     free = transmission(Occluder(np.float32([[0, 0, 1], [0, 0, 1]]), np.float32([0.9, 0.9])), ORIGIN)
     assert float(free.min()) >= 0
@@ -71,6 +82,11 @@ def test_an_occluder_in_the_picture_hides_what_is_behind_it():
     assert hidden[size // 2, size // 2]
     assert not hidden[0, 0]
     assert not silhouette(behind, head)[size // 2, size // 2]
+    assert hidden.sum() == pytest.approx(np.pi * (0.3 * size / 2) ** 2, rel=0.4)
+    rows, columns = np.nonzero(silhouette(ball_at(0, 0.5, 3, radius=0.3), head))
+    assert rows.max() < size // 2
+    assert columns.mean() == (size - 1) / 2
+    assert silhouette(ball_at(0.9, 0, -3, radius=0.3), head)[size // 2, -1], "beside the head nothing is before it"
 
 
 def test_most_occluders_show_in_the_picture_and_the_others_stay_out_of_frame():

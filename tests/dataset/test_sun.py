@@ -72,6 +72,14 @@ def test_a_sun_is_one_texel_before_the_head():
         assert lit[1] < 9 or lit[1] > 22
 
 
+def test_most_suns_stand_above_and_each_has_a_colour_of_its_own():
+    lights = [sample_sun(np.random.default_rng(seed)) for seed in range(100)]
+    assert np.mean([np.argwhere(light.sum(-1) > 0)[0, 0] < 8 for light in lights]) > 0.6
+    colours = np.array([light.max((0, 1)) for light in lights])
+    assert colours.min() > 0
+    assert np.std(np.log(colours[:, 0] / colours[:, 2])) > 0.05
+
+
 def test_a_head_in_the_sun_is_dark_where_it_hides_it_and_as_bright_as_in_the_open_elsewhere():
     covered = np.ones((SIZE, SIZE), bool)
     head = SimpleNamespace(covered=covered, depth=wall().reshape(-1), scatter=lambda image: image.reshape(SIZE, SIZE))

@@ -55,6 +55,7 @@ def test_a_turned_ball_is_a_ball_under_the_turned_light(turn_deg):
         core = again["normal"][..., 2] > 0.3
         np.testing.assert_allclose(turned["normal"][core], again["normal"][core], atol=0.04)
         np.testing.assert_allclose(turned["relief"][core], again["relief"][core], atol=0.02)
+        assert set(np.unique(turned["label"])) == {0, 3}, "a label is none in between"
         # The light's texels are 11 degrees wide.
         assert np.abs(turned["image"] - again["image"])[core].mean() < 0.06 * again["image"][core].mean() + 0.02
 
@@ -88,6 +89,18 @@ def test_what_comes_from_beyond_the_border_is_not_covered():
     moved = warped(sample, similarity(0, 1, (0.5, 0)))
     assert moved["covered"][:, : SIZE // 4 - 1].max() == 0
     assert moved["covered"][:, SIZE // 4 + 1 :].min() == 1
+
+
+def test_random_warps_turn_enlarge_stretch_and_move_and_turn_by_what_they_say():
+    warps = [sample_warp(np.random.default_rng(seed)) for seed in range(300)]
+    columns = np.array([warp.linear.T for warp in warps])
+    turned_deg = np.degrees(np.arctan2(columns[:, 0, 1], columns[:, 0, 0]))
+    np.testing.assert_allclose([warp.turn_deg for warp in warps], turned_deg, atol=1e-6)
+    assert np.std(turned_deg) == pytest.approx(8, rel=0.15)
+    wide, high = np.log(np.linalg.norm(columns, axis=2)).T
+    assert np.std(wide + high) / 2 == pytest.approx(0.09, rel=0.15)
+    assert np.std(wide - high) / 2 == pytest.approx(0.031, rel=0.15)
+    assert np.std([warp.shift for warp in warps], axis=0) == pytest.approx([0.04, 0.04], rel=0.15)
 
 
 def test_random_warps_are_small_and_keep_types():
