@@ -1,6 +1,7 @@
 """What a head is painted with: every material in its own colours, and which of them training makes wild."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -14,6 +15,8 @@ from relight_core.face.parsing import INDEX
 
 SIZE = 24
 SEEDS = range(40)
+
+plainly = partial(paint, wild=False)
 
 
 def random(seed):
@@ -61,6 +64,8 @@ def test_teeth_are_bright_and_mouths_are_dark_and_red(head, worn, material, low,
 
 def test_brows_are_of_the_hairs_colour_and_hair_of_every_lightness(head, worn):
     hair, brows = (worn[:, head.material == of].mean(1) for of in (Material.HAIR, Material.BROW))
+    streaks = np.log(luminance(worn[:, head.material == Material.HAIR])).std(1)
+    assert np.median(streaks) > 0.1
     np.testing.assert_allclose(hair / hair.sum(1, keepdims=True), brows / brows.sum(1, keepdims=True), atol=0.12)
     colours = np.array([hair_colour(random(seed)) for seed in range(400)])
     assert luminance(colours).min() < 0.05
@@ -69,12 +74,13 @@ def test_brows_are_of_the_hairs_colour_and_hair_of_every_lightness(head, worn):
     assert (np.ptp(colours, axis=1) < 0.05 * colours.max(1) + 1e-3).mean() == pytest.approx(0.25, abs=0.07)
 
 
-def test_an_eye_has_a_black_pupil_in_a_coloured_iris_in_white(pool):
+@pytest.mark.parametrize("painted", [paint_smooth, plainly])
+def test_an_eye_has_a_black_pupil_in_a_coloured_iris_in_white(pool, painted):
     made = ball(64)
     eye = replace(made, material=np.full_like(made.material, Material.SCLERA), uv=(made.normal[:, :2] + 1) / 2)
     radius = np.hypot(*(eye.uv - 0.5).T)
     for seed in range(8):
-        albedo = paint(eye, pool, random(seed), wild=False)
+        albedo = painted(eye, pool, random(seed))
         pupil, iris, white = (luminance(albedo[where]) for where in (radius < 0.03, radius < 0.11, radius > 0.15))
         assert pupil.max() < 0.02
         assert 0.02 < np.median(iris) < 0.3
@@ -93,6 +99,7 @@ def test_hair_darkens_brows_and_at_times_the_lower_face_and_nothing_between(pool
         "chin": (v < 0.4) & (v > 0.22) & (label != INDEX["lips"]),
         "cheek": (v > 0.6) & (v < 0.66),
         "forehead": (v > 0.86) & (v < 0.9),
+        "throat": v < 0.12,
     }
     tones = {name: painted[:, where].mean(1) for name, where in parts.items()}
     darker = {name: tones[name] - tones["cheek"] for name in parts}
@@ -100,19 +107,32 @@ def test_hair_darkens_brows_and_at_times_the_lower_face_and_nothing_between(pool
     assert abs(np.median(darker["forehead"])) < 0.1
     assert 0.15 < (darker["chin"] < -0.25).mean() < 0.45
     bearded = darker["chin"] < -0.25
+    assert np.median(darker["throat"][bearded]) > -0.1
     lips = painted[:, label == INDEX["lips"]].mean(1) - tones["chin"]
     assert np.median(lips[bearded]) > np.median(lips[~bearded])
 
 
-def test_lips_have_their_own_colour_where_no_lipstick_is_on_them(head, pool):
+def test_some_scalps_are_shaved_and_no_chest_is_which_shares_their_tile(pool):
+    made = ball(64)
+    u, v = ((made.normal[:, :2] + 1) / 2).T
+    back = replace(made, uv=np.stack([u, v], 1).astype(np.float32), material=np.full_like(made.material, Material.HEAD))
+    skull, chest, neck = (v > 0.5) & (np.abs(u - 0.5) < 0.2), (v > 0.4) & (np.abs(u - 0.5) > 0.38), v < 0.28
+    painted = np.stack([np.log(luminance(paint(back, pool, random(seed), wild=False))) for seed in range(60)])
+    of_skull, of_chest = (np.median(painted[:, where], 1) - np.median(painted[:, neck], 1) for where in (skull, chest))
+    assert 0.2 < (np.abs(of_skull) > 0.15).mean() < 0.6
+    assert (np.abs(of_chest) > 0.15).mean() < 0.1
+
+
+@pytest.mark.parametrize(("painted", "least"), [(paint_smooth, 0.75), (plainly, 0.6)])
+def test_lips_have_their_own_colour_where_no_lipstick_is_on_them(head, pool, painted, least):
     lips = head.label == INDEX["lips"]
     skin = (head.material == Material.FACE) & ~lips
     redder = []
     for seed in SEEDS:
-        albedo = paint_smooth(head, pool, random(seed))
+        albedo = painted(head, pool, random(seed))
         colour, around = albedo[lips].mean(0), albedo[skin].mean(0)
         redder.append((colour[0] / colour[1]) / (around[0] / around[1]))
-    assert np.mean(np.array(redder) > 1.05) > 0.75
+    assert np.mean(np.array(redder) > 1.05) > least
 
 
 def test_nothing_is_darker_or_brighter_than_stuffs_are_however_it_is_painted(head, pool):

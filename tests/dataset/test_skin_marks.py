@@ -5,6 +5,7 @@ import pytest
 from synthetic_heads import ball
 
 from relight_core.dataset.painting import skin_marks
+from relight_core.dataset.painting.skin import paint
 from relight_core.dataset.painting.texture import TexturePool
 
 MARKS = [skin_marks.add_moles, skin_marks.add_freckles, skin_marks.add_birthmark, skin_marks.add_scar]
@@ -66,6 +67,46 @@ def test_scars_are_bent_lines_of_7_cm_at_most(head, pool):
         scarred = places[np.abs(marked(skin_marks.add_scar, head, pool, seed) - 0.4).max(1) > 0.02]
         assert np.linalg.norm(scarred[:, None] - scarred[None], axis=2).max(initial=0) < 8
         assert len(scarred) < 0.08 * len(places)
+
+
+def test_tattoos_end_where_they_do_and_are_not_all_over_a_head(head, pool):
+    places, across = skin_marks.skin_surface(head).places, []
+    for seed in range(20):
+        inked = places[np.abs(marked(skin_marks.add_tattoo, head, pool, seed) - 0.4).max(1) > 0.02]
+        across.append(np.linalg.norm(np.ptp(inked, axis=0)) if len(inked) else 0.0)
+    assert max(across) < 6.3 * 2 * 2**0.5
+    assert np.median(across) < 13
+
+
+def test_birthmarks_are_red_brown_or_pale(head, pool):
+    kinds = set()
+    for seed in range(24):
+        change = marked(skin_marks.add_birthmark, head, pool, seed) - 0.4
+        change = change[np.abs(change).max(1) > 0.02].sum(0)
+        assert (change <= 0).all() or (change >= 0).all()
+        # Blood takes most of green light, and melanin of blue.
+        kinds.add("pale" if change[0] > 0 else ("none", "red", "brown")[change.argmin()])
+    assert {"pale", "red", "brown"} <= kinds
+
+
+def test_whoever_is_painted_is_marked(head, pool, monkeypatch):
+    monkeypatch.setattr(skin_marks, "_MARKS", ((1.0, lambda skin, *_: skin.fill(0.5)),))
+    for seed in range(6):
+        albedo = paint(head, pool, np.random.default_rng(seed), wild=False)
+        assert 0.45 <= np.median(albedo) <= 0.55
+
+
+def test_a_mark_stays_on_its_side_of_an_ear_and_off_what_lies_behind():
+    """Three sheets: the front of something thin, its back, and skin four centimetres behind it."""
+    x, y = (part.ravel().astype(np.float32) for part in np.meshgrid(np.arange(8), np.arange(8)))
+    sheets = [np.stack([x, y, np.full_like(x, depth)], 1) for depth in (0.0, -1.0, -4.0)]
+    normals = np.repeat(np.float32([[0, 0, 1], [0, 0, -1], [0, 0, 1]]), 64, axis=0)
+    surface = skin_marks.SkinSurface(np.arange(192), np.concatenate(sheets), normals)
+    for seed in range(12):
+        pixels, offset = surface.around(np.random.default_rng(seed))
+        assert len(pixels) == len(offset) == 64
+        assert len(set(pixels // 64)) == 1
+        assert np.hypot(*offset.T).min() == 0
 
 
 def test_six_heads_in_ten_have_marks(head, pool):

@@ -160,7 +160,8 @@ def test_colours_arrive_at_the_same_place_of_the_other_head(tmp_path, monkeypatc
     (tmp_path / "3dobjs").mkdir()
     (tmp_path / "3dobjs" / "base.obj").write_text("\n".join(lines))
     across, up = np.meshgrid((np.arange(64) + 0.5) / 64, 1 - (np.arange(64) + 0.5) / 64)
-    picture = np.stack([1 - up, across, np.full_like(up, 0.5)], -1)
+    stripes = 0.5 + 0.4 * np.sign(np.sin(2 * np.pi * 8 * across))  # 2 cm wide, or a little more
+    picture = np.stack([1 - up, across, stripes], -1)
     folder = tmp_path / "skins" / "someone" / "textures"
     folder.mkdir(parents=True)
     Image.fromarray(np.round(picture * 255).astype(np.uint8)).save(folder / "someone_diffuse.png")
@@ -173,6 +174,8 @@ def test_colours_arrive_at_the_same_place_of_the_other_head(tmp_path, monkeypatc
     np.testing.assert_allclose(found[3:-3, 3:-3, 0], u[3:-3, 3:-3], atol=0.03)
     np.testing.assert_allclose(found[3:-3, 3:-3, 1], v[3:-3, 3:-3], atol=0.03)
     assert np.abs(np.diff(skins.smooth[0, 0].astype(float), axis=0)).max() < 80
+    assert found[3:-3, 3:-3, 2].std() > 0.32
+    assert (skins.smooth[0, 0, 1:-1, 1:-1, 2] / 255).std() < 0.1
     (folder / "torn_diffuse.png").write_bytes((folder / "someone_diffuse.png").read_bytes()[:60])
     with pytest.raises(InputError, match=r"torn_diffuse\.png: can't be read"):
         skin_transfer.transfer_skins(tmp_path, model, 32)
