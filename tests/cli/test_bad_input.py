@@ -234,6 +234,16 @@ def test_a_channel_that_would_replace_the_input(relight, tmp_path):
     assert (album / "albedo.png").read_bytes() == before
 
 
+def test_a_channel_that_would_replace_the_light(relight, photo, tmp_path):
+    light = tmp_path / "all" / "target_light.exr"
+    light.parent.mkdir()
+    write_image(light, np.full((8, 16, 3), 2.0, np.float32))
+    before = light.read_bytes()
+    assert refused(relight("channels", photo, "--light", light, "-o", light.parent), "target_light.exr", "input")
+    assert [path.name for path in light.parent.iterdir()] == ["target_light.exr"]
+    assert light.read_bytes() == before
+
+
 def test_a_mistyped_command_or_photo(relight, tmp_path):
     assert refused(relight("rendr"), "rendr", "relight render")
     assert refused(relight(tmp_path / "nobody.jpg"), "nobody.jpg")

@@ -11,7 +11,7 @@ from PIL import Image
 
 from app.cli.channels import write_channels
 from app.cli.report import counting
-from app.cli.turntable import _around, _fine_enough
+from app.cli.turntable import _around, _fine_enough, _on_canvas
 from relight_core.face.find import FaceBox
 from relight_core.imaging import contact_sheet
 from relight_core.imaging.contact_sheet import on_ground
@@ -164,6 +164,18 @@ def test_the_sheet_shows_what_lies_around_the_face_as_far_as_the_photo_goes():
     assert _around(box, (1000, 2000)) == (218, 28, 482, 292)
     assert _around(box, (200, 450)) == (218, 28, 450, 200)
     assert _around(FaceBox(0.0, 0.0, 100.0, 100.0), (200, 450)) == (0, 0, 160, 160)
+
+
+@pytest.mark.parametrize(
+    ("size", "window", "expected"),
+    [
+        ((250, 400), (218, 28, 482, 292), (44, 7, 96, 73)),
+        ((2, 3), (0, 0, 10, 10), (0, 0, 1, 1)),
+        ((2, 3), (1990, 990, 2000, 1000), (2, 1, 3, 2)),
+    ],
+)
+def test_a_window_is_at_its_place_of_a_smaller_copy_which_has_a_pixel_of_it(size, window, expected):
+    assert _on_canvas(window, Canvas(np.zeros((*size, 3), np.float32), None, (1000, 2000))) == expected
 
 
 def test_half_of_a_picture_before_the_ground_is_half_of_its_light():

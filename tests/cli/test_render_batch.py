@@ -75,11 +75,12 @@ def test_a_saved_light_lights_with_its_boxes_and_turn(tmp_path):
     )
 
 
-def test_a_saved_turn_is_added_to_the_yaw_as_the_window_turns_it(relighter, folder, tmp_path):
+@pytest.mark.parametrize(("command", "output"), [("render", "o.png"), ("turntable", "sheet.png"), ("channels", "all")])
+def test_a_saved_turn_is_added_to_the_yaw_as_the_window_turns_it(relighter, folder, tmp_path, command, output):
     write_light(tmp_path / "mine.light.json", SavedLight(LightRef("rig", "ring"), LightEdit(), 33.3))
-    words = ["render", str(folder / "a.png"), "--light", str(tmp_path / "mine.light.json"), "--yaw", "10"]
-    assert main([*words, "-o", str(tmp_path / "o.png")]) == 0
-    assert relighter.edits[-1].yaw_deg == pytest.approx(43.3)
+    words = [command, str(folder / "a.png"), "--light", str(tmp_path / "mine.light.json"), "--yaw", "10"]
+    assert main([*words, "-o", str(tmp_path / output)]) == 0
+    assert relighter.edits[0].yaw_deg == pytest.approx(43.3)
 
 
 def test_corrections_of_a_session_that_lends_its_light_count_for_their_own_photo_only(relighter, folder, tmp_path):
