@@ -45,6 +45,9 @@ def test_every_channel_is_a_picture_and_a_layer(relight, photo, tmp_path):
     assert json.loads(done.out)["files"] == sorted(str(folder / name) for name in pictures + exrs)
     for name in pictures:
         assert Image.open(folder / name).mode == "RGB"
+    # sRGB 137 of 255 is a quarter of white's light; what faces the camera is light blue.
+    assert np.abs(np.asarray(Image.open(folder / "albedo.png"), int) - 137).max() <= 1
+    assert np.abs(np.asarray(Image.open(folder / "normal.png"), int) - (128, 128, 255)).max() <= 1
     file = OpenEXR.File(str(folder / "channels.exr"))
     layers = file.channels()
     assert file.header()["relightYawDeg"] == 15.0

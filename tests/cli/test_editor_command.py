@@ -50,6 +50,7 @@ def test_without_a_display_pictures_are_written(relight, relighter, photo, tmp_p
         assert Image.open(tmp_path / "out" / name).size
         assert name.partition("/")[0] in done.out
     assert Image.open(tmp_path / "out" / "turntable.png").width > 1000
+    assert np.array_equal(relighter.lights[-1].shape, load_rig("hard-side").shape)
 
 
 def test_without_a_display_a_panorama_is_metered_as_in_the_window(relight, relighter, photo, tmp_path, monkeypatch):
@@ -76,6 +77,21 @@ def test_without_a_display_no_picture_is_written_over_the_photo(relight, photo, 
     photo.rename(place)
     before = place.read_bytes()
     done = relight(place, "--light", "ring")
+    assert (done.code, place.read_bytes()) == (2, before)
+    assert "that is the input" in done.err
+
+
+@pytest.mark.parametrize("kind", ["light", "photo of a session"])
+def test_without_a_display_nothing_else_that_is_read_is_written_over(
+    relight, photo, another_photo, tmp_path, monkeypatch, kind
+):
+    monkeypatch.setattr(edit, "has_display", lambda: False)
+    monkeypatch.chdir(tmp_path)
+    place = tmp_path / "out" / "turntable.png"
+    place.parent.mkdir()
+    before = another_photo.rename(place).read_bytes()
+    write_session(tmp_path / "me.relight.json", Document(PhotoRef(place), LightRef("rig", "ring")))
+    done = relight(photo, "--light", place) if kind == "light" else relight("me.relight.json")
     assert (done.code, place.read_bytes()) == (2, before)
     assert "that is the input" in done.err
 
@@ -131,6 +147,28 @@ def test_without_a_display_soft_boxes_and_room_stay_under_another_light(relight,
     assert relight("me.relight.json", "--light", light).code == 0
     assert np.array_equal(relighter.lights[0].shape, edit_light(load_rig(light), changed).shape)
     assert relighter.edits[0].yaw_deg == EDIT.yaw_deg
+
+
+@pytest.mark.parametrize("name", ["photo.png", "me.relight.json"])
+def test_without_a_display_a_saved_light_is_turned_as_it_was_and_a_session_s_own_turn_goes(
+    relight, relighter, saved, tmp_path, name
+):
+    saved(LightRef("rig", "ring"))
+    write_light(tmp_path / "mine.light.json", SavedLight(LightRef("rig", "split"), LightEdit(), 33.3))
+    assert relight(name, "--light", "mine.light.json").code == 0
+    assert relighter.edits[0].yaw_deg == pytest.approx(33.3)
+    assert relighter.edits[0].shadow == (0.5 if name == "me.relight.json" else 1.0)
+
+
+def test_without_a_display_a_person_of_a_session_is_cut_out_as_in_the_window(relight, photo, tmp_path, monkeypatch):
+    monkeypatch.setattr(edit, "has_display", lambda: False)
+    monkeypatch.chdir(tmp_path)
+    cut_out = Document(PhotoRef(photo), LightRef("rig", "ring"), edit=Edit(background="transparent"))
+    write_session(tmp_path / "me.relight.json", cut_out)
+    assert relight("me.relight.json").code == 0
+    written = Image.open(tmp_path / "out" / "relit-me.relight.png")
+    assert written.mode == "RGBA"
+    assert written.getchannel("A").getextrema() == (128, 128)
 
 
 @pytest.mark.parametrize(("chosen", "quality"), [("draft", "draft"), ("auto", "final")])
