@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 from app.cli.channels import write_channels
-from app.cli.report import counting
+from app.cli.report import counting, effect_record
 from app.cli.turntable import _around, _fine_enough, _on_canvas
 from relight_core.face.find import FaceBox
 from relight_core.imaging import contact_sheet
@@ -19,6 +19,7 @@ from relight_core.imaging.files import KnownFiles
 from relight_core.imaging.formats.exr import read_exr
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.per_photo.person import Canvas
+from relight_core.pipeline.plan import Effect
 from relight_core.pipeline.results import layers
 from relight_core.pipeline.results.relit import Relit
 
@@ -213,6 +214,12 @@ def test_what_would_change_no_channel_or_leave_none_is_refused(relight, photo, t
     assert done.err.count("\n") == 1
     assert words[0] in done.err
     assert not (tmp_path / "all").exists()
+
+
+@pytest.mark.parametrize(("bound", "saved_ms"), [(None, None), (0.0, 0.0)])
+def test_what_no_rule_answers_for_is_null_to_programs_and_what_errs_by_nothing_is_0(bound, saved_ms):
+    record = effect_record(Effect("relief", "skipped", "no need", bound, saved_ms=saved_ms))
+    assert (record["bound"], record["saved_ms"]) == (bound, saved_ms)
 
 
 def test_how_far_a_film_is_is_told_to_people_only(capsys, monkeypatch):

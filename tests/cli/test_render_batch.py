@@ -102,6 +102,26 @@ def test_corrections_of_a_session_that_lends_its_light_count_for_their_own_photo
     assert relighter.strokes == strokes
     assert boxes_for(folder / "a.png", "--add-box", "3,3,8,8") == [*boxes, FaceBox(3, 3, 8, 8)]
     assert relighter.strokes == strokes
+    (tmp_path / "by another way").symlink_to(folder)
+    assert boxes_for(tmp_path / "by another way" / "a.png") == boxes
+
+
+def test_what_a_saved_light_was_mended_of_is_told(relighter, folder, tmp_path, capsys):
+    path = tmp_path / "mine.light.json"
+    write_light(path, SavedLight(LightRef("rig", "ring")))
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"sparkle": 1}))
+    assert main(["render", str(folder / "a.png"), "--light", str(path), "-o", str(tmp_path / "o.png")]) == 0
+    assert "mine.light.json: unknown setting sparkle was left out" in capsys.readouterr().err
+
+
+def test_where_a_session_s_box_shows_no_face_the_mend_is_told_unless_there_is_another_box(relighter, tmp_path, capsys):
+    flat, saved = tmp_path / "flat.png", tmp_path / "flat.relight.json"
+    Image.new("RGB", (24, 16), (90, 90, 90)).save(flat)
+    work = Document(PhotoRef(flat, 0, (FaceBox(1.0, 2.0, 9.0, 10.0),)), LightRef("rig", "ring"), LightEdit(), Edit())
+    write_session(saved, work)
+    for words, is_told in ((), True), (("--box", "3,3,8,8"), False), (("--add-box", "3,3,8,8"), False):
+        assert main(["render", str(flat), "--light", str(saved), *words, "-o", str(tmp_path / "o.png")]) == 2
+        assert ("--box says it anew" in capsys.readouterr().err) == is_told
 
 
 def test_where_a_session_s_boxes_are_no_good_its_name_is_told(relighter, folder, tmp_path, capsys):
