@@ -242,6 +242,11 @@ def test_several_boxes_are_several_faces(relight, relighter, photo, tmp_path):
     assert relighter.boxes == [FaceBox(4, 5, 40, 50), FaceBox(-2, 5, 8, 9)]
 
 
+def test_a_line_tells_how_large_and_how_good_a_picture_is_and_what_it_took(relight, photo, tmp_path):
+    done = relight("render", photo, "--light", "ring", "--quality", "draft", "-o", tmp_path / "a.png")
+    assert done.out == f"wrote {tmp_path / 'a.png'} (24 x 16, draft quality, 3 ms)\n"
+
+
 @pytest.mark.parametrize("command", ["render", "channels", "turntable"])
 def test_a_box_can_be_added_to_the_faces_that_are_found(relight, relighter, photo, tmp_path, command):
     words = ["--add-box", "-4,5,12,18", "--add-box", "1,1,9,9", "--face", "1"]

@@ -99,6 +99,14 @@ def test_a_result_that_no_photo_has_in_this_run_is_told_and_not_relit(relight, s
     assert [os.path.basename(one["output"]) for one in record["results"]] == ["a-jpg-dark.png", "a-png-dark.png"]
 
 
+def test_a_photo_whose_result_would_be_itself_is_refused_and_not_taken_for_a_result(relight, relighter, shoot):
+    before = add_photo(shoot, "a.png").read_bytes()
+    done = relight("render", f"{shoot}/", "--light", "ring", "-o", f"{shoot}/")
+    assert (done.code, relighter.edits) == (2, [])
+    assert "that is the input" in done.err
+    assert (shoot / "a.png").read_bytes() == before
+
+
 def test_what_was_exported_beside_a_photo_is_not_relit_with_its_folder(relight, shoot, tmp_path):
     for name in ("a.jpg", "a-relit.png"):
         add_photo(shoot, name)
