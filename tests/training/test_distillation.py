@@ -14,7 +14,7 @@ from relight_core.errors import InputError
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
 from relight_core.training import run as run_module
-from relight_core.training.distillation import Teacher, distillation_losses
+from relight_core.training.distillation import Teacher, distillation_losses, under_some_lights
 from relight_core.training.recipe import load_recipe
 from relight_core.training.run import Run, train
 from relight_core.training.stages import STAGES
@@ -85,6 +85,38 @@ def test_examples_that_runs_share_stay_and_serve_the_same_teacher_again(start, m
     for number, place in enumerate((start, tmp_path / "0" / "narrow.safetensors", tmp_path / "other.safetensors")):
         train(run_of(place, tmp_path / str(number), steps=4, examples=1, kept=tmp_path / "kept"), quiet)
     assert made == [0, 0]
+
+
+def test_an_example_is_a_photo_under_its_own_light_and_the_next_three_with_what_they_do_to_it(start):
+    batch = some_batch(pairs=3)
+    lights = batch["light"].flatten(0, 1)
+    examples = Teacher(load_bundle(start), ReflectionTable()).examples(batch)
+    assert examples["light"].shape == (6, 4, 16, 32, 3)
+    for first, own in enumerate(examples["light"]):
+        for beyond, light in enumerate(own):
+            assert torch.equal(light, lights[(first + beyond) % 6])
+    for name in ("image", "reflected", "relief_shadow", "specular", "shadow", "shadow_fraction", "gloss_fraction"):
+        assert examples[name].shape[:2] == (6, 4), name
+        assert torch.isfinite(examples[name]).all(), name
+
+
+def test_some_lights_of_an_example_stay_with_its_surface():
+    place = torch.arange(3)[:, None] * 10 + torch.arange(4)[None]
+    batch = {
+        "light": place[..., None, None, None].expand(3, 4, 16, 32, 3),
+        "image": place[..., None, None, None].expand(3, 4, 3, 2, 2),
+        "albedo": torch.arange(3)[:, None, None, None].expand(3, 3, 2, 2),
+    }
+    drawn = set()
+    for seed in range(20):
+        torch.manual_seed(seed)
+        flat = under_some_lights(batch)
+        light, image, albedo = (flat[name].flatten(1)[:, 0] for name in ("light", "image", "albedo"))
+        assert torch.equal(light, image)
+        assert torch.equal(light // 10, albedo)
+        assert albedo.tolist() == [0, 1, 2]
+        drawn |= set((light % 10).tolist())
+    assert drawn == {0, 1, 2, 3}
 
 
 class Killed(Exception):
