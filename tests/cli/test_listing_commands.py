@@ -1,5 +1,6 @@
 """relight rigs and relight info."""
 
+import hashlib
 import json
 import subprocess
 from importlib.metadata import PackageNotFoundError
@@ -7,6 +8,7 @@ from importlib.metadata import PackageNotFoundError
 import pytest
 
 from app.cli import info
+from relight_core.resources import resource_path
 
 
 def test_rigs_are_listed_for_people_and_programs(relight):
@@ -17,6 +19,10 @@ def test_rigs_are_listed_for_people_and_programs(relight):
     assert all(rig["title"] and rig["description"] for rig in record["rigs"])
     for name in names:
         assert any(line.startswith(name) for line in lines)
+    more = [line for line in lines if line.split()[0] not in names]
+    assert more
+    assert all(line.startswith(" " * (max(map(len, names)) + 2)) for line in more)
+    assert max(map(len, lines)) <= 100
 
 
 def test_info_tells_versions_devices_and_graphics(relight):
@@ -25,7 +31,9 @@ def test_info_tells_versions_devices_and_graphics(relight):
     assert record["devices"][0] == "cpu"
     assert record["threads"]["torch"] >= 1
     assert record["graphics"]
-    assert isinstance(record["weights"], list)
+    for weights in record["weights"]:
+        data = resource_path("weights", weights["file"]).read_bytes()
+        assert (weights["bytes"], weights["sha256"]) == (len(data), hashlib.sha256(data).hexdigest())
     text = relight("info").out
     assert "torch" in text
     assert "threads" in text

@@ -9,6 +9,7 @@ import pytest
 from relight_core.evaluation import stability
 from relight_core.evaluation.stability import BOUNDS, StabilityReport, run_stability
 from relight_core.evaluation.stability_plot import plot_stability
+from relight_core.imaging.photo import Photo
 from relight_core.imaging.read import read_photo
 from relight_core.lighting.environment import Environment
 from relight_core.networks.precision import has_bf16
@@ -62,6 +63,54 @@ def test_pictures_of_every_tier_are_looked_at(value, check, precision, has_bf16,
         relighter = BrokenAtFinal(found, precision)
         errors = stability._errors(relighter, photo, relighter.estimated_light(None), TIERS["live"])
         assert (dict(zip(BOUNDS, errors, strict=True))[check] > BOUNDS[check]) == is_above
+
+
+class Attacked(BrokenAtFinal):
+    """Grey as bright as its light, but for one attack, under which it shows a pixel that the others have not."""
+
+    def __init__(self, is_hit, value=0.0):
+        self.is_hit, self.value, self.tolerances = is_hit, value, set()
+
+    def relight(self, light, edit):
+        self.tolerances.add(edit.tolerance)
+        image = np.full((4, 4, 3), 0.5 * light.level, np.float32)
+        if self.is_hit(edit, light):
+            image[0, 0] = self.value
+        return SimpleNamespace(image=image, channels={"composition": image})
+
+
+ATTACKS = [
+    (lambda edit, light: edit.yaw_deg == 393.0, 0.0, "full turn"),
+    (lambda edit, light: edit.yaw_deg == 33.5, 0.0, "half a degree"),
+    (lambda edit, light: light.level == 32.0, 15.9, "level law"),
+    (lambda edit, light: (edit.specular, edit.shadow) == (2.0, 2.0), np.nan, "not finite"),
+    (lambda edit, light: edit.yaw_deg == 0.0, 0.0, "own light"),
+    (lambda edit, light: False, 0.0, None),
+]
+
+
+@pytest.mark.parametrize(("is_hit", "value", "check"), ATTACKS, ids=[str(check) for *_, check in ATTACKS])
+def test_every_attack_is_made_and_told_by_its_own_check(is_hit, value, check):
+    photo = SimpleNamespace(linear=np.full((4, 4, 3), 0.5, np.float32))
+    relighter = Attacked(is_hit, value)
+    environment = Environment.from_radiance(np.full((16, 32, 3), 7.0, np.float32))
+    errors = dict(zip(BOUNDS, stability._errors(relighter, photo, environment, TIERS["live"]), strict=True))
+    assert {name for name, error in errors.items() if error > BOUNDS[name]} == ({check} if check else set())
+    assert relighter.tolerances == {0.0}
+
+
+def test_portraits_are_under_and_over_exposed_grainy_grey_and_red():
+    image = np.random.default_rng(0).uniform(0.01, 0.5, (6, 6, 3)).astype(np.float32)
+    found = {name: photo.linear for name, photo in stability.hostile_portraits(Photo(image)).items()}
+    assert all(linear.dtype == np.float32 for linear in found.values())
+    assert np.isfinite(list(found.values())).all()
+    assert 0 <= np.min(list(found.values())) <= np.max(list(found.values())) <= 1
+    np.testing.assert_array_equal(found["as it is"], image)
+    np.testing.assert_allclose(found["2 EV under"], image / 4, rtol=1e-6)
+    np.testing.assert_allclose(found["4 EV over"], np.minimum(16 * image, 1), rtol=1e-6)
+    assert 0.05 < np.std(found["grainy"] - image) < 0.15
+    assert np.ptp(found["monochrome"], axis=2).max() == 0
+    np.testing.assert_allclose(found["red only"], image * (1, 0, 0))
 
 
 def test_an_error_above_its_bound_is_named():
