@@ -1,5 +1,8 @@
 """relight dataset bake: whom it bakes, what it refuses and what it leaves as it is."""
 
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
 from refusals import refused
 
@@ -12,6 +15,12 @@ def test_bake_wants_a_count(run, tmp_path, count):
 @pytest.mark.parametrize("words", [("--headwear", "1.2"), ("--arms", "nan"), ("--hair-mass", "few"), ("--skip", "-1")])
 def test_bake_wants_a_share_and_a_place_to_start(run, tmp_path, words):
     refused(run("dataset", "bake", "--heads", "m.npz", "--out", tmp_path, "--count", 1, *words), words[1])
+
+
+@pytest.mark.parametrize("size", ["0", "-32", "16", "100", "64.0"])
+def test_bake_wants_a_size_that_networks_see(run, tmp_path, size):
+    words = ["--heads", "m.npz", "--out", tmp_path / "o", "--count", 1, "--size", size]
+    refused(run("dataset", "bake", *words), "multiple of 32")
 
 
 @pytest.mark.parametrize(("skip", "count"), [(1_000_000, 1), (999_999, 2), (0, 1_000_001)])
@@ -30,13 +39,36 @@ def test_bake_takes_the_people_after_those_left_out(run, tmp_path, monkeypatch):
     monkeypatch.setattr(recipe, "bake_missing", lambda casting, folder, seeds, size: asked.update(seeds=seeds) or [])
     (tmp_path / "m.npz").write_bytes(b"")
     words = ["--heads", tmp_path / "m.npz", "--wardrobe", tmp_path, "--out", tmp_path / "o"]
-    shares = ["--headwear", 0.7, "--arms", 0]
+    shares = ["--headwear", 1, "--arms", 0]
     code, _, _ = run("dataset", "bake", *words, "--split", "test", "--count", 3, "--skip", 20, *shares)
     assert code == 0
     assert list(asked["seeds"]) == [2_000_020, 2_000_021, 2_000_022]
     shares = asked["casting"][2]
-    assert (shares.headwear, shares.arms) == (0.7, 0)
+    assert (shares.headwear, shares.arms) == (1, 0)
     assert 0 < shares.hair_mass < 0.3
+
+
+@pytest.mark.parametrize(
+    ("split", "names", "expected"), [("train", ("one",), [True]), ("train", (), [True, True]), ("test", ("one",), [])]
+)
+def test_the_wardrobe_s_skins_are_carried_over_once_and_for_training_alone(
+    run, tmp_path, monkeypatch, split, names, expected
+):
+    from relight_core.dataset import recipe
+    from relight_core.dataset.painting import skin_transfer
+    from relight_core.dataset.painting.skin_textures import SkinTextures, load_skins
+
+    tiles, asked = np.zeros((len(names), 2, 4, 4, 3), np.uint8), []
+    found = SkinTextures(names, tiles, tiles)
+    monkeypatch.setattr(skin_transfer, "transfer_skins", lambda *_: asked.append(True) or found)
+    monkeypatch.setattr(recipe, "load_casting", lambda *_: SimpleNamespace(model=None))
+    monkeypatch.setattr(recipe, "bake_missing", lambda *_: [])
+    (tmp_path / "m.npz").write_bytes(b"")
+    words = ["--heads", tmp_path / "m.npz", "--wardrobe", tmp_path, "--out", tmp_path / "o", "--split", split]
+    for _ in range(2):
+        assert run("dataset", "bake", *words, "--count", 1).code == 0
+    assert asked == expected
+    assert (load_skins(tmp_path / "o") is not None) == (split == "train" and names != ())
 
 
 @pytest.mark.parametrize("option", ["--headwear", "--hair-mass"])

@@ -15,6 +15,7 @@ def test_heads_are_compared_under_lights_of_the_networks_size(tmp_path, monkeypa
     def checked(casting, seeds, lights):
         asked.update(seeds=seeds, lights=lights)
         yield check.Difference(seeds[0], 0, 0.01, 0.03, 0.02)
+        yield check.Difference(seeds[1], 2, 0.03, 0.05, 0.0)
 
     monkeypatch.setattr(recipe, "load_casting", lambda *words: None)
     monkeypatch.setattr(check, "check_heads", checked)
@@ -22,4 +23,9 @@ def test_heads_are_compared_under_lights_of_the_networks_size(tmp_path, monkeypa
     assert main(["dataset", "check", *(str(word) for word in words), "--count", "2"]) == 0
     assert asked["seeds"] == range(1_000_000, 1_000_002)
     assert asked["lights"].shape == (3, 16, 32, 3)
-    assert "| all | | 0.0100 | 0.0300 | 0.0200 |" in capfd.readouterr().out
+    rows = capfd.readouterr().out.splitlines()[2:]
+    assert rows == [
+        "| 1000000 | 0 | 0.0100 | 0.0300 | 0.0200 |",
+        "| 1000001 | 2 | 0.0300 | 0.0500 | 0.0000 |",
+        "| all | | 0.0224 | 0.0412 | 0.0141 |",
+    ]
