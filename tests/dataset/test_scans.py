@@ -5,6 +5,7 @@ import pytest
 from PIL import Image
 from synthetic_heads import ball
 
+from relight_core.dataset import recipe
 from relight_core.dataset.baking.shard import read_shard
 from relight_core.dataset.painting.skin import paint
 from relight_core.dataset.painting.texture import TexturePool
@@ -129,3 +130,14 @@ def test_scans_are_baked(tmp_path):
     head = read_shard(paths[0])
     assert {SKIN, HAIR} <= set(np.unique(head.label).tolist())
     np.testing.assert_allclose(head.albedo.mean(0), (np.array([200, 120, 80]) / 255) ** 2.2, atol=0.02)
+
+
+def test_heads_stay_of_the_same_people_even_where_a_name_is_no_text(tmp_path, monkeypatch):
+    scans, heads = ScanCasting(tmp_path), tmp_path / "heads"
+    heads.mkdir()
+    monkeypatch.setattr(recipe, "names_of_people", lambda folder: ["anna", "m\udcffe"])
+    for _ in range(2):
+        scans.keep_to_people(heads)
+    monkeypatch.setattr(recipe, "names_of_people", lambda folder: ["anna"])
+    with pytest.raises(InputError, match="of other people"):
+        scans.keep_to_people(heads)

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from relight_core.evaluation.bench_accuracy import Accuracy, _few
+from relight_core.evaluation.bench_accuracy import Accuracy
 from relight_core.evaluation.bench_configurations import Configuration, configurations
 from relight_core.evaluation.bench_machine import Demand, Peaks, demands
 from relight_core.evaluation.bench_report import BenchResult, Row, as_markdown
@@ -68,13 +68,6 @@ def test_what_leaves_a_network_out_is_among_the_first_that_are_compared():
     assert networks["live, relief's shadow, corrected"] == (False, True)
     assert networks["draft"] == (False, False)
     assert networks["live"] == (True, True)
-
-
-@pytest.mark.parametrize(
-    ("count", "of", "expected"), [(4, 10, [0, 3, 6, 9]), (20, 3, [0, 1, 2]), (1, 5, [0]), (3, 0, [])]
-)
-def test_few_relightings_are_spread_over_all(count, of, expected):
-    assert _few(list(range(of)), count) == expected
 
 
 def test_every_look_is_asked_of_de_lighting_and_half_as_much_moves_in_half_precision():
