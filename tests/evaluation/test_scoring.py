@@ -73,6 +73,13 @@ def test_a_scaled_albedo_is_wrong_but_aligned(factor, truth, covered):
     assert figures["albedo.rmse_aligned"] < 1e-4
 
 
+def test_an_albedo_is_compared_as_it_is_shown(truth, covered):
+    half, quarter = (np.full((SIZE, SIZE, 3), value, np.float32) for value in (0.5, 0.25))
+    figures = score_surface(found(truth, albedo=half), light(), truth | {"albedo": quarter}, covered)
+    # sRGB 0.735 and 0.537.
+    assert figures["albedo.rmse"] == pytest.approx(0.1983, abs=1e-3)
+
+
 def test_the_light_s_level_does_not_count(truth, covered):
     figures = score_surface(found(truth, guess=light() * 5), light() * 3, truth, covered)
     assert figures["light.wlog_l2"] == pytest.approx(0, abs=1e-6)
