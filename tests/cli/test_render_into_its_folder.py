@@ -101,7 +101,8 @@ def test_a_result_that_no_photo_has_in_this_run_is_told_and_not_relit(relight, s
 
 def test_a_photo_whose_result_would_be_itself_is_refused_and_not_taken_for_a_result(relight, relighter, shoot):
     before = add_photo(shoot, "a.png").read_bytes()
-    done = relight("render", f"{shoot}/", "--light", "ring", "-o", f"{shoot}/")
+    add_photo(shoot, "b.jpg")
+    done = relight("render", f"{shoot}/", "--light", "ring", "--resume", "-o", f"{shoot}/")
     assert (done.code, relighter.edits) == (2, [])
     assert "that is the input" in done.err
     assert (shoot / "a.png").read_bytes() == before
