@@ -2,6 +2,7 @@
 
 import json
 import os
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -102,8 +103,12 @@ def test_corrections_of_a_session_that_lends_its_light_count_for_their_own_photo
     assert relighter.strokes == strokes
     assert boxes_for(folder / "a.png", "--add-box", "3,3,8,8") == [*boxes, FaceBox(3, 3, 8, 8)]
     assert relighter.strokes == strokes
-    (tmp_path / "by another way").symlink_to(folder)
-    assert boxes_for(tmp_path / "by another way" / "a.png") == boxes
+    other_way = tmp_path / "by another way"
+    other_way.symlink_to(folder)
+    assert boxes_for(other_way / "a.png") == boxes
+    named_so = replace(document, photo=replace(corrected, path=other_way / "a.png"))
+    write_session(tmp_path / "a.relight.json", named_so)
+    assert boxes_for(folder / "a.png") == boxes
 
 
 def test_what_a_saved_light_was_mended_of_is_told(relighter, folder, tmp_path, capsys):
