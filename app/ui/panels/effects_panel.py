@@ -29,8 +29,8 @@ SOFTNESS = _slider(
 TINT = _slider(
     "specular_tint", "Specular tint", "%+.2f", "Colour of the shine: left is cool, right is warm; 0 is the light's own."
 )
-STRENGTH = widgets.Slider(
-    "Strength", 0.0, 1.0, 1.0, "%.2f", "Mixes the new light with the photo's own; 0 leaves the person as photographed."
+STRENGTH = _slider(
+    "strength", "Strength", "%.2f", "Mixes the new light with the photo's own; 0 leaves the person as photographed."
 )
 EXPOSURE = widgets.Slider("Exposure", -5.0, 5.0, 0.0, "%+.2f EV", "Brightens or darkens the whole picture, in stops.")
 BACKGROUNDS = (
