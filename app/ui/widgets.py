@@ -197,9 +197,8 @@ def typed_colour(state: EditorState, colour: Sequence[float]) -> tuple[float, ..
 
 
 def hex_of(colour: Sequence[float]) -> str:
-    """Red, green and blue in [0, 1] as "#rrggbb"; a brighter colour, as of a light's own lamp, is scaled to fit."""
-    brightest = max(1.0, *colour)
-    return "#" + "".join(f"{round(value / brightest * 255):02x}" for value in colour)
+    """Red, green and blue in [0, 1] as "#rrggbb"."""
+    return "#" + "".join(f"{round(value * 255):02x}" for value in colour)
 
 
 def _track(state: EditorState, spec: Slider, value: float) -> float:

@@ -33,7 +33,7 @@ def test_while_a_photo_is_read_a_click_on_the_step_before_goes_back(opened, reli
     state, window, go_on, read = opened.window.state, opened.window, threading.Event(), relighter.set_portrait
     monkeypatch.setattr(relighter, "set_portrait", lambda *given: go_on.wait(LONG_S) and read(*given))
     other = shutil.copy(photo_path, photo_path.with_name("other.png"))
-    state.groups = OpenGroups(export=False, background=False)
+    state.groups = OpenGroups(effects=False, export=False, background=False)
     window.on_drop(None, [str(other)], opened.centre())
     opened.frames(2)
     assert state.photo.path == other

@@ -56,7 +56,7 @@ def test_colours_are_typed_and_a_gel_is_taken_off(opened):
     run(opened, "background's colour", "#2040ff")
     assert (state.edit.background, state.typing) == ("#2040ff", None)
     run(opened, "set coloured gel", "ff0033")
-    assert state.light_edit.boxes[0].colour == pytest.approx((1.0, 0.0, 0.2))
+    assert state.light_edit.boxes[0].colour == pytest.approx((1.0, 0.0, 0.0331), abs=1e-4)
     run(opened, "remove coloured gel")
     assert state.light_edit.boxes[0].colour is None
 

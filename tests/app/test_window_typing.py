@@ -4,7 +4,7 @@ import glfw
 import pytest
 
 from app.ui import binding, widgets
-from app.ui.panels import light_panel
+from app.ui.panels import light_controls, light_panel
 
 GERMAN = {glfw.KEY_RIGHT_BRACKET: "+", glfw.KEY_SLASH: "-", glfw.KEY_Y: "z", glfw.KEY_EQUAL: "\N{ACUTE ACCENT}"}
 FRENCH = {glfw.KEY_6: "-", glfw.KEY_EQUAL: "=", glfw.KEY_Q: "a", glfw.KEY_M: ",", glfw.KEY_SEMICOLON: "m"}
@@ -29,7 +29,15 @@ def type_shadow(hand, value, text, end=glfw.KEY_ENTER):
 
 
 def test_a_gel_brighter_than_a_screen_is_typed_as_a_colour_of_its_hue():
-    assert widgets.hex_of((0.25, 1.0, 1.25)) == "#33ccff"
+    # In linear light 0.2, 0.8 and 1 of its brightest.
+    assert widgets.hex_of(light_controls.gel_on_screen((0.25, 1.0, 1.25))) == "#7ce7ff"
+
+
+@pytest.mark.parametrize(("typed", "linear"), [("#ff8000", (1.0, 0.21586, 0.0)), ("#0000ff", (0.0, 0.0, 1.0))])
+def test_a_gel_gives_white_cloth_just_the_colour_that_is_picked_on_the_screen(typed, linear):
+    gel = light_controls.gel_from_screen([value / 255 for value in bytes.fromhex(typed[1:])])
+    assert gel == pytest.approx(linear, abs=1e-4)
+    assert widgets.hex_of(light_controls.gel_on_screen(gel)) == typed
 
 
 @pytest.mark.parametrize("end", [glfw.KEY_ENTER, glfw.KEY_ESCAPE])
@@ -99,7 +107,7 @@ def test_plus_zooms_in_where_another_key_has_it(opened, monkeypatch):
 
 @pytest.mark.parametrize(
     ("picked", "background", "gel"),
-    [((1.2, -0.3, 0.5), "#ff0080", (1.0, 0.0, 0.5)), ((0.0, 1e9, -1e9), "#00ff00", (0.0, 1.0, 0.0))],
+    [((1.2, -0.3, 0.5), "#ff0080", (1.0, 0.0, 0.21404)), ((0.0, 1e9, -1e9), "#00ff00", (0.0, 1.0, 0.0))],
 )
 def test_colours_beyond_all_colours_are_the_nearest_that_there_are(opened, monkeypatch, picked, background, gel):
     state = opened.window.state
@@ -107,7 +115,7 @@ def test_colours_beyond_all_colours_are_the_nearest_that_there_are(opened, monke
     monkeypatch.setattr(widgets.imgui, "color_edit3", lambda label, colour, flags: (True, list(picked)))
     opened.frames(2)
     assert state.edit.background == background
-    assert state.light_edit.boxes[0].colour == gel
+    assert state.light_edit.boxes[0].colour == pytest.approx(gel, abs=1e-4)
 
 
 CTRL_A = ((glfw.KEY_LEFT_CONTROL, 0), (glfw.KEY_A, glfw.MOD_CONTROL))

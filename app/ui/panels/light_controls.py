@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
 from imgui_bundle import imgui
 
 from app.ui import light_edits, theme, widgets
 from app.ui.panels.groups import Tool, group, tools_beside
 from app.ui.panels.panorama import add_next_box
 from app.ui.state import EditorState
+from relight_core.imaging.colour import srgb_decode, srgb_encode
 from relight_core.lighting.light_edit import LIGHT_EDIT_RANGES, LightEdit
 from relight_core.lighting.soft_box import SOFT_BOX_RANGES, SoftBox, box_title
 from relight_core.lighting.summary import metered_level_ev
@@ -240,14 +243,12 @@ def _meter_words(state: EditorState) -> str:
 
 
 def _gel(state: EditorState, colour: tuple[float, float, float] | None) -> tuple[float, float, float] | None:
-    """The choice of a coloured gel instead of a temperature; None for no gel.
-
-    The picker's numbers are taken as linear Rec.709 (`SoftBox.colour`), although its swatch is drawn with them as sRGB.
-    """
-    white = (1.0, 1.0, 1.0)
+    """The choice of a coloured gel instead of a temperature, linear Rec.709; None for no gel."""
+    shown = gel_on_screen(colour or (1.0, 1.0, 1.0))
     if state.typing == GEL:
-        return widgets.typed_colour(state, colour or white) or colour
-    picked = widgets.swatch(state, GEL, colour or white, GEL_WORDS)
+        typed = widgets.typed_colour(state, shown)
+        return colour if typed is None else gel_from_screen(typed)
+    picked = widgets.swatch(state, GEL, shown, GEL_WORDS)
     imgui.same_line()
     imgui.align_text_to_frame_padding()
     imgui.text_disabled(GEL if colour is None else "Gel")
@@ -255,4 +256,14 @@ def _gel(state: EditorState, colour: tuple[float, float, float] | None) -> tuple
         imgui.same_line()
         if imgui.small_button("Remove"):
             return None
-    return colour if picked is None else picked
+    return colour if picked is None else gel_from_screen(picked)
+
+
+def gel_on_screen(colour: Sequence[float]) -> tuple[float, ...]:
+    """A lamp's colour, linear Rec.709, as sRGB in [0, 1]; one that is too bright for a screen is dimmed to fit."""
+    return tuple(map(float, srgb_encode(np.array(colour) / max(1.0, *colour))))
+
+
+def gel_from_screen(picked: Sequence[float]) -> tuple[float, ...]:
+    """The lamp's colour that white things under it have on a screen, from sRGB in [0, 1] to linear Rec.709."""
+    return tuple(map(float, srgb_decode(picked)))
