@@ -18,6 +18,7 @@ from app.engine.sources import RelitLike
 from relight_core import __version__
 from relight_core.errors import InputError
 from relight_core.imaging.files import is_same_file, legible
+from relight_core.imaging.photo import Photo
 from relight_core.imaging.resampling import shrunk_size
 from relight_core.imaging.write import Bands, FileStyle, cut, write_bands, write_exr_layers
 from relight_core.pipeline.edit import Edit
@@ -27,6 +28,7 @@ EXPORT = "Export"
 FORMS = (".png", ".jpg", ".tif", ".exr")
 SIDES = (None, 4096, 2048, 1080)
 """Longest sides to choose from; None is the photo's own size."""
+PROFILES = ("srgb", "photo")
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,7 @@ class ExportSettings:
         deep: 16 bits in PNG and TIFF, 32-bit floats in EXR; else 8 bits and halves.
         quality: of a JPEG, 1 to 100.
         longest_side: pixels, or None for the photo's own size.
+        profile: of PROFILES, for all but EXR: colours are written in sRGB or, if the photo has one, in its own profile.
         layers: of relight_core.pipeline.results.layers.LAYERS, for EXR.
     """
 
@@ -45,6 +48,7 @@ class ExportSettings:
     deep: bool = False
     quality: int = 92
     longest_side: int | None = None
+    profile: str = "srgb"
     layers: tuple[str, ...] = LAYERS
 
     @property
@@ -108,7 +112,7 @@ def export(job: ExportJob, step: Callable[[int, int], None] = _unheeded) -> Path
     note = export_note(job.picture.light.source.title, replace(job.picture.edit, exposure_ev=job.exposure_ev))
 
     def write(path: Path) -> None:
-        write_relit(path, job.picture.relit, job.settings, job.exposure_ev, note, photo.exif, step)
+        write_relit(path, job.picture.relit, job.settings, job.exposure_ev, note, photo, step)
 
     return write_named(job.path, job.replaces, write)
 
@@ -119,14 +123,14 @@ def write_relit(
     settings: ExportSettings,
     exposure_ev: float,
     note: dict[str, str | float],
-    exif: bytes | None = None,
+    photo: Photo,
     step: Callable[[int, int], None] = _unheeded,
 ) -> None:
     """Write a relit portrait as the settings say, replacing what is there.
 
     Args:
         note: what the file says of how it was made; see `export_note`.
-        exif: of the photo, for PNG, JPEG and TIFF.
+        photo: whose Exif and, if the settings say so, profile the file has; EXR has neither.
         step: as of `export`.
 
     Raises:
@@ -140,12 +144,14 @@ def write_relit(
         write_exr_layers(path, layers, half=not settings.deep, header=note)
         return
     # Radiance carries no exposure; what the file says of it is enough.
-    style = FileStyle(settings.bits, settings.quality, 0.0 if is_exr else exposure_ev, exif=exif, notes=note)
+    exposure_ev, icc = 0.0 if is_exr else exposure_ev, photo.icc if settings.profile == "photo" else None
+    style = FileStyle(settings.bits, settings.quality, exposure_ev, icc, photo.exif, note)
+    wide = is_exr or icc is not None
     if relit.full is not None and shrunk_size(relit.full.size, settings.longest_side) == relit.full.size:
-        rows = _counted(relit.full.in_bands(wide=is_exr), relit.full.size[0], step)
+        rows = _counted(relit.full.in_bands(wide=wide), relit.full.size[0], step)
         write_bands(path, relit.full.size, rows, relit.full.has_alpha, style)
         return
-    image, alpha = shrunk_picture(relit, settings.longest_side)
+    image, alpha = shrunk_picture(relit, settings.longest_side, wide=wide)
     write_bands(path, image.shape[:2], cut(image, alpha), alpha is not None, style)
 
 

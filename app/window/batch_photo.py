@@ -84,4 +84,4 @@ def relight_as(
     # The exposure comes last, when the file is written.
     relit = relighter.relight(environment, replace(edit, exposure_ev=0.0))
     note = export_note(document.light.source().title, edit)
-    write_relit(output, relit, settings, edit.exposure_ev, note, opened.exif)
+    write_relit(output, relit, settings, edit.exposure_ev, note, opened)

@@ -39,7 +39,7 @@ class Photo:
         alpha: (H, W) float32 in [0, 1], or None where the file has none.
         path: where it came from, or None.
         bits: bits per channel of its source: 8, 16 or 32 (floating point).
-        icc: the profile its file was in, where that is an RGB matrix profile; for writing it back.
+        icc: the profile its file was in, if that is an RGB matrix profile other than sRGB; for writing it back.
         exif: its file's EXIF, upright and without thumbnail, or None.
         beyond: (H, W, 3) float16, finite, what clipping took from `linear`: their sum is the file's own colour.
             None where it took nothing.

@@ -96,8 +96,9 @@ def _decode_radiance(head: bytes, path: Path) -> tuple[np.ndarray, np.ndarray | 
 
 
 def _kept_profile(raster: decode.Raster) -> bytes | None:
-    """The profile, for writing it back, if it is an RGB matrix profile."""
-    return None if raster.profile is None or raster.profile.matrix is None else raster.icc
+    """The profile, for writing it back, if it is an RGB matrix profile other than sRGB."""
+    profile = raster.profile
+    return None if profile is None or profile.matrix is None or profile.is_srgb else raster.icc
 
 
 def _photo_of_floats(raster: decode.Raster, path: Path) -> Photo:

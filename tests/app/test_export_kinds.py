@@ -1,5 +1,6 @@
 """What kinds of file hold: bits, size, layers, wide colours, what a camera noted, and what was set."""
 
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,12 +10,27 @@ from fake_relighter import FakeRelighter
 from PIL import Image
 
 from app.engine.exporting import ExportJob, ExportSettings, channel_layers, export, export_note
+from relight_core.imaging.formats.icc_making import DISPLAY_P3, primaries_profile
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.write import cut
 from relight_core.lighting.environment import Environment
 from relight_core.pipeline.edit import Edit
 
 ARTIST = 315
+
+
+@dataclass
+class Wide:
+    """A picture with colours that Rec.709 does not hold."""
+
+    canvas: object
+    image: np.ndarray
+    wide: bool = False
+    size: tuple = (96, 128)
+    has_alpha: bool = False
+
+    def render(self):
+        return self.image if self.wide else self.image.clip(0, 1), None
 
 
 def picture_of(relit, photo):
@@ -64,6 +80,29 @@ def test_only_an_exr_has_colours_beyond_a_screen_s(picture, tmp_path, seen_wide)
     for form in (".png", ".exr"):
         export(ExportJob(picture, 0.0, tmp_path / f"out{form}", ExportSettings(form, layers=())))
     assert seen_wide == [False, True]
+
+
+@pytest.mark.parametrize("form", [".png", ".jpg", ".tif"])
+@pytest.mark.parametrize("profile", ["srgb", "photo"])
+def test_a_file_is_in_the_photo_s_own_profile_where_that_is_asked_for(picture, tmp_path, seen_wide, form, profile):
+    picture.opened.photo.icc = p3 = primaries_profile(DISPLAY_P3)
+    settings = ExportSettings(form, profile=profile)
+    with Image.open(export(ExportJob(picture, 0.0, tmp_path / f"out{form}", settings))) as written:
+        assert (written.info.get("icc_profile") == p3) == (profile == "photo")
+    assert seen_wide == [profile == "photo"]
+
+
+def test_colours_beyond_srgb_stay_in_a_smaller_picture_in_the_photo_s_profile(lit, tmp_path):
+    lit.opened.photo = replace(lit.opened.photo, icc=primaries_profile(DISPLAY_P3))
+    canvas, green = SimpleNamespace(beyond=True), np.full((96, 128, 3), (-0.3, 1.0, -0.1), np.float32)
+    lit.relit = replace(lit.relit, full=Wide(canvas, green), image=green.clip(0, 1))
+    pixels = []
+    for profile in ("srgb", "photo"):
+        settings = ExportSettings(longest_side=64, profile=profile)
+        with Image.open(export(ExportJob(lit, 0.0, tmp_path / "out.png", settings))) as written:
+            pixels.append(written.getpixel((9, 9)))
+    # In Display P3's primaries it is (-0.07, 0.957, -0.02); sRGB's own green would have a red of 0.18 there.
+    assert pixels == [(0, 255, 0), (0, 250, 0)]
 
 
 def test_a_jpeg_of_less_quality_is_smaller(picture, tmp_path):

@@ -4,10 +4,13 @@ import glfw
 import numpy as np
 import pytest
 from imgui_bundle import imgui
+from PIL import Image
 from window_hand import EFFECTS_PANEL, HEIGHT, STRIPS, WIDTH
 
+from app.ui.actions.export_actions import export_actions
 from app.ui.export_name import choose_form
 from app.ui.layout import OpenGroups
+from relight_core.imaging.formats.icc_making import DISPLAY_P3, primaries_profile
 
 ROW = 32
 
@@ -34,6 +37,36 @@ def test_the_export_buttons_stay_where_they_are_whatever_kind_of_file_is_chosen(
     rows = changed_rows(*look_and_choose(opened, suffix))
     assert len(rows) > 20, "another kind, its quality or layers, another name"
     assert np.ptp(rows) < 110, "three rows of controls, and nothing below them"
+
+
+def in_p3(hand, photo_path):
+    with Image.open(photo_path) as plain:
+        plain.save(photo_path, icc_profile=primaries_profile(DISPLAY_P3))
+    hand.drop(photo_path)
+    hand.see_every_pixel()
+    return hand
+
+
+@pytest.mark.parametrize("suffix", [".jpg", ".exr"])
+def test_with_a_choice_of_profile_they_stay_there_too(hand, photo_path, suffix):
+    rows = changed_rows(*look_and_choose(in_p3(hand, photo_path), suffix))
+    assert np.ptp(rows) < 110 + ROW, "four rows of controls, and nothing below them"
+
+
+def test_the_photo_s_own_profile_is_offered_where_it_has_one(hand, photo_path):
+    state = hand.window.state
+
+    def offered():
+        return [action for action in export_actions(state) if action.name == "Export colours: As photo"]
+
+    hand.drop(photo_path)
+    assert offered() == []
+    in_p3(hand, photo_path.rename(photo_path.with_name("p3.png")))
+    (action,) = offered()
+    action.run(state)
+    assert state.export.profile == "photo"
+    choose_form(state, ".exr")
+    assert offered() == []
 
 
 def test_the_quality_of_a_jpeg_is_dragged_and_a_double_click_resets_it(opened):

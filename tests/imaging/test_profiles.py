@@ -62,7 +62,9 @@ def test_srgb_profile_changes_nothing(tmp_path):
     pixels = np.random.default_rng(0).integers(0, 256, (8, 9, 3)).astype(np.uint8)
     Image.fromarray(pixels).save(tmp_path / "with.png", icc_profile=SRGB)
     Image.fromarray(pixels).save(tmp_path / "without.png")
-    np.testing.assert_array_equal(read_photo(tmp_path / "with.png").linear, read_photo(tmp_path / "without.png").linear)
+    photos = [read_photo(tmp_path / name) for name in ("with.png", "without.png")]
+    np.testing.assert_array_equal(photos[0].linear, photos[1].linear)
+    assert photos[0].icc is None
 
 
 def test_matrix_profile_agrees_with_littlecms(tmp_path):

@@ -24,6 +24,7 @@ def export_actions(state: EditorState) -> tuple[Action, ...]:
         *(_depth(*choice) for choice in export_panel.depths(form)),
         *([_type("Set the JPEG's quality", export_panel.QUALITY, "From 50 to 100")] if form == ".jpg" else []),
         *(_size(side) for side in SIDES),
+        *(_profile(*choice) for choice in export_panel.PROFILE_CHOICES if export_panel.has_choice_of_profile(state)),
         _type("Name the export", export_panel.NAME, "Type the name of the file, or its whole path"),
         *(_layer(name) for name in LAYERS if form == ".exr"),
         _choice(
@@ -65,6 +66,13 @@ def _size(side: int | None) -> Action:
     words = "As large as the photo" if side is None else "So many pixels along the longer side, or as the photo has"
     name = f"Export size: {export_panel.size_words(side)}"
     return _choice(name, words, run, lambda state: state.export.longest_side == side)
+
+
+def _profile(profile: str, label: str, words: str) -> Action:
+    def run(state: EditorState) -> None:
+        state.export = replace(state.export, profile=profile)
+
+    return _choice(f"Export colours: {label}", words, run, lambda state: state.export.profile == profile)
 
 
 def _layer(name: str) -> Action:

@@ -28,6 +28,10 @@ QUALITY, NAME = "Export quality", "Export name"
 
 _INTEGERS = (("", "8 bit", "For screens."), ("deep", "16 bit", "For further editing."))
 _FLOATS = (("", "Half", "16-bit floats: enough for light."), ("deep", "Float", "32-bit floats."))
+PROFILE_CHOICES = (
+    ("srgb", "sRGB", "Looks the same everywhere; colours that sRGB does not hold are brought into it."),
+    ("photo", "As photo", "The photo's own colour profile, with its colours that sRGB does not hold."),
+)
 _QUALITIES = (50, 100)
 _SPACING, _LAYERS_SHARE = 4.0, 0.44
 _USUAL_QUALITY = ExportSettings().quality
@@ -54,6 +58,7 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     if form != state.export.form:
         choose_form(state, form)
     _depth_and_size(state)
+    _profile(state)
     _place_and_layers(state)
     _buttons(state)
     imgui.end_disabled()
@@ -76,6 +81,25 @@ def _depth_and_size(state: EditorState) -> None:
     if in_a_row:
         imgui.same_line(0.0, _SPACING)
     _size(state)
+
+
+def has_choice_of_profile(state: EditorState) -> bool:
+    """Whether the open photo has a colour profile of its own that the chosen kind of file can be written in."""
+    return _has_profile(state) and state.export.form != ".exr"
+
+
+def _has_profile(state: EditorState) -> bool:
+    opened = state.snapshot.opened
+    return opened is not None and opened.photo.icc is not None
+
+
+def _profile(state: EditorState) -> None:
+    """The choice of colours, if the photo has a profile. EXR has none, but the row stays, so that no button moves."""
+    if not _has_profile(state):
+        return
+    imgui.begin_disabled(state.export.form == ".exr")
+    state.export = replace(state.export, profile=widgets.segmented(PROFILE_CHOICES, state.export.profile))
+    imgui.end_disabled()
 
 
 def depths(form: str) -> tuple[tuple[str, str, str], ...]:

@@ -75,9 +75,15 @@ def channel_at(relit: Relit, name: str, column: int, row: int) -> tuple[np.ndarr
     return held[0, 0], _of_unit_length(name, turned)[0, 0]
 
 
-def shrunk_picture(relit: Relit, longest_side: int | None) -> tuple[np.ndarray, np.ndarray | None]:
-    """Image (H, W, 3) linear, not premultiplied, and alpha (H, W) or None, no side longer than asked."""
-    image, alpha = _whole(relit)
+def shrunk_picture(
+    relit: Relit, longest_side: int | None, *, wide: bool = False
+) -> tuple[np.ndarray, np.ndarray | None]:
+    """Image (H, W, 3) linear, not premultiplied, and alpha (H, W) or None, no side longer than asked.
+
+    Args:
+        wide: colours outside Rec.709 stay.
+    """
+    image, alpha = _whole(relit, wide)
     size = shrunk_size(image.shape[:2], longest_side)
     if alpha is None:
         return at_size(image, size), None
