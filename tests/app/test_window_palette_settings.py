@@ -6,6 +6,7 @@ import glfw
 import pytest
 
 from app.engine.jobs import JobStatus
+from app.ui.actions.setting_actions import setting_actions
 from app.ui.layout import Panels
 from app.ui.panels.panorama import add_box
 
@@ -59,6 +60,15 @@ def test_colours_are_typed_and_a_gel_is_taken_off(opened):
     assert state.light_edit.boxes[0].colour == pytest.approx((1.0, 0.0, 0.0331), abs=1e-4)
     run(opened, "remove coloured gel")
     assert state.light_edit.boxes[0].colour is None
+
+
+@pytest.mark.parametrize(("typed", "field"), [("blur", "background_blur_deg"), ("width", "background_fov_deg")])
+def test_how_the_light_is_seen_behind_the_person_is_set_where_it_is(opened, typed, field):
+    state = opened.window.state
+    assert not [action for action in setting_actions(state) if action.name == f"Set background {typed}"]
+    run(opened, "background light")
+    run(opened, f"set background {typed}", "12.5")
+    assert (state.edit.background, getattr(state.edit, field)) == ("light", 12.5)
 
 
 def test_what_is_no_colour_is_told_and_esc_takes_none(opened):

@@ -55,7 +55,7 @@ def setting_actions(state: EditorState) -> tuple[Action, ...]:
         *(_type(slider, "effects", "effects") for slider in _EFFECTS),
         *(_background(*choice) for choice in effects_panel.BACKGROUNDS),
         _type_at("Set the background's colour", effects_panel.COLOUR, _COLOUR_WORDS, "effects", "background"),
-        *_background_blur(state),
+        *_light_behind(state),
         *_faces(state),
         *(_quality(*choice) for choice in quality_panel.TIERS),
         *export_actions(state),
@@ -125,11 +125,12 @@ def _background(value: str, label: str, words: str) -> Action:
     )
 
 
-def _background_blur(state: EditorState) -> tuple[Action, ...]:
-    """Where the light is seen behind the person, how blurred."""
+def _light_behind(state: EditorState) -> tuple[Action, ...]:
+    """If the light is the background: how blurred it is, and how much of it is seen."""
     if state.edit.background != "light":
         return ()
-    return (_type(effects_panel.BACKGROUND_BLUR, "effects", "background"),)
+    sliders = effects_panel.BACKGROUND_BLUR, effects_panel.BACKGROUND_WIDTH
+    return tuple(_type(slider, "effects", "background") for slider in sliders)
 
 
 def _faces(state: EditorState) -> tuple[Action, ...]:

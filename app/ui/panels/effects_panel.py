@@ -42,6 +42,9 @@ BACKGROUNDS = (
 BACKGROUND_BLUR = _slider(
     "background_blur_deg", "Background blur", "%.1f°", "How far out of focus the light behind the person is."
 )
+BACKGROUND_WIDTH = widgets.Slider(
+    "Background width", 5.0, 170.0, 50.0, "%.0f°", "How much of the light is seen behind the person; less enlarges it."
+)
 COLOUR = "Background colour"
 _FACES_IN_ROW = 7
 """The choice of everyone among them."""
@@ -112,7 +115,10 @@ def _backgrounds(state: EditorState, fonts: theme.Fonts) -> None:
     imgui.same_line(0.0, spacing)
     _colour(state)
     if state.edit.background == "light":
-        state.change(background_blur_deg=widgets.slider(state, BACKGROUND_BLUR, state.edit.background_blur_deg))
+        state.change(
+            background_blur_deg=widgets.slider(state, BACKGROUND_BLUR, state.edit.background_blur_deg),
+            background_fov_deg=widgets.slider(state, BACKGROUND_WIDTH, state.edit.background_fov_deg),
+        )
 
 
 def _colour(state: EditorState) -> None:
