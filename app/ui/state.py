@@ -19,6 +19,7 @@ from app.ui.channels import PHOTO, RESULT, WHOLE_PHOTO, following
 from app.ui.export_name import suggested_place
 from app.ui.face_edits import FaceTool
 from app.ui.falling_back import fall_back, give_up_what_is_on_its_way
+from app.ui.in_motion import edit_in_motion
 from app.ui.layout import OpenGroups, Panels
 from app.ui.light_edits import AimTool
 from app.ui.light_list import wish_again
@@ -162,10 +163,7 @@ class EditorState:
         edit = self.request_at_rest().edit
         quick = self._in_motion(edit)
         if self.is_moving:
-            asked = {name: getattr(self.asked, name) for name in ("quality", "surface_of", "channels")}
-            same_edit = replace(edit, **asked) == self.asked
-            unchanged = same_edit and self.light_edit == self.asked_light
-            edit = self.asked if unchanged else quick
+            edit = edit_in_motion(edit, quick, self.asked if self.light_edit == self.asked_light else None)
         self.asked, self.asked_light = edit, self.light_edit
         return replace(self._request_of(edit), in_motion=None if edit.quality == quick.quality else quick)
 

@@ -55,6 +55,22 @@ def test_quality_drops_only_while_a_hand_changes_something_the_networks_read():
     assert state.request().edit.quality == "final"
 
 
+@pytest.mark.parametrize(
+    "moved", [{"strength": 0.5}, {"background": "light", "background_fov_deg": 80.0}, {"background_blur_deg": 9.0}]
+)
+def test_quality_stays_while_a_hand_moves_what_is_applied_to_the_finished_picture(moved):
+    state = EditorState()
+    state.request()
+    state.hand_on_control = True
+    state.change(**moved)
+    asked = state.request().edit
+    assert (asked.quality, asked.surface_of) == ("final", None)
+    state.change(specular=0.5)
+    assert state.request().edit.quality == "live"
+    state.change(strength=0.25)
+    assert state.request().edit.quality == "live", "of the specular that was just set only this is known"
+
+
 def test_a_request_never_carries_exposure():
     state = EditorState()
     state.change(exposure_ev=3.0)
