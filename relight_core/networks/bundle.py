@@ -290,7 +290,13 @@ def _check_held(config: BundleConfig, shapes: Sequence[Sequence[int]]) -> None:
 
 
 def _numbers(part: Mapping[str, Any]) -> Iterator[tuple[str, int]]:
-    """The whole numbers of a configuration, each by the name of its field."""
+    """The whole numbers of a configuration, each by the name of its field.
+
+    `widest` limits the channels of levels that have twice as many each; if none comes near it, it is the last one's.
+    """
+    if "widest" in part:
+        last = part["width"] * 2 ** min(max(part["levels"] - 1, 0), 32)
+        part = {**part, "widest": min(part["widest"], last)}
     for name, value in part.items():
         if isinstance(value, Mapping):
             yield from _numbers(value)

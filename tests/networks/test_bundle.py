@@ -167,6 +167,23 @@ def test_networks_much_larger_than_their_file_are_refused_before_they_are_made(
         load_bundle(path)
 
 
+@pytest.mark.parametrize(("levels", "is_refused"), [(2, False), (20, True)])
+def test_a_limit_to_channels_that_no_level_comes_near_is_no_size(bundle, tmp_path, levels, is_refused):
+    path = tmp_path / "w.safetensors"
+    save_bundle(path, with_person_network(bundle, PersonNetwork(PersonConfig(width=4, levels=2, widest=25_000))))
+    assert load_bundle(path).config.person.widest == 25_000
+    with safe_open(path, framework="pt") as file:
+        header = file.metadata()
+    config = json.loads(header["config"])
+    config["person"]["levels"] = levels
+    rewritten(path, {"format": header["format"], "config": json.dumps(config)})
+    if is_refused:
+        with pytest.raises(InputError, match="25000 channels, and no tensor has more"):
+            load_bundle(path)
+    else:
+        load_bundle(path)
+
+
 def test_a_missing_tensor_and_other_sizes_are_refused(bundle, tmp_path):
     path = tmp_path / "w.safetensors"
     good = {"format": "relight-networks-1", "config": bundle.config.to_json()}
