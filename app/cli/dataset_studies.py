@@ -79,14 +79,15 @@ def _preview(arguments: argparse.Namespace) -> int:
 
 def _speed(arguments: argparse.Namespace) -> int:
     let_idle_threads_sleep()
+    from relight_core.evaluation.bench_machine import load_average
     from relight_core.evaluation.loader_speed import loader_speed, waiting_share
 
     check_heads_and_lights(arguments.shards, arguments.lights, "train")
     sizes = arguments.size or (128, 256)
     check_head_sizes(arguments.shards, "train", [("dataset speed", size) for size in sizes])
-    load = os.getloadavg()[0]
-    busy = "; the machine is busy, these are not its speeds" if load > 0.5 else ""
-    say(f"load average before: {load:.1f} on {os.cpu_count()} cores{busy}")
+    if (load := load_average()) is not None:
+        busy = "; the machine is busy, these are not its speeds" if load > 0.5 else ""
+        say(f"load average before: {load:.1f} on {os.cpu_count()} cores{busy}")
     say("| size | samples | per second, one core | per second of its own time | steps wait for the loader |")
     say("|---|---|---|---|---|")
     for size in sizes:

@@ -45,6 +45,11 @@ class Demand:
         return 1e3 * max(self.gflop / fastest, self.megabytes / 1e3 / peaks.bandwidth_gb_s)
 
 
+def load_average() -> float | None:
+    """How many programs wanted a core in the last minute; None where the system does not tell, as Windows."""
+    return round(os.getloadavg()[0], 2) if hasattr(os, "getloadavg") else None
+
+
 def describe_machine(device: str = "cpu") -> dict:
     """Processor, cores, threads and versions, JSON-ready."""
     return {
@@ -55,7 +60,7 @@ def describe_machine(device: str = "cpu") -> dict:
         "python": platform.python_version(),
         "torch": torch.__version__,
         "device": torch.cuda.get_device_name() if device == "cuda" else device,
-        "load_average": round(os.getloadavg()[0], 2) if hasattr(os, "getloadavg") else None,
+        "load_average": load_average(),
     }
 
 

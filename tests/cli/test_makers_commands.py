@@ -318,6 +318,8 @@ def test_speed_is_a_table_and_says_when_the_machine_is_busy(run, data, monkeypat
     assert float(row[3]) > 0
     refused(run(*words, "--size", 16, "--size", 24), "24", "divisor")
     refused(run(*words, "--size", 8), "16 pixels")
+    monkeypatch.delattr("os.getloadavg")
+    assert "load average" not in run(*words, "--size", 16)[1], "Windows does not tell"
 
 
 def test_effect_refuses(run, data):
