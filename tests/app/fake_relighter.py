@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 import threading
+import weakref
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,6 +16,27 @@ from relight_core.lighting.environment import Environment, network_light
 SIZE = 64
 LONG_S = 60
 """Whatever a test waits for comes far sooner, and has failed to come where it hasn't by then."""
+
+
+def photos_read(monkeypatch, make):
+    """A function that says of each photo that an engine has read since whether it is still in memory.
+
+    Args:
+        make: gives what is read, in place of any file.
+    """
+    read = []
+
+    def read_it(path):
+        photo = make()
+        read.append(weakref.ref(photo))
+        return photo
+
+    def still_there():
+        gc.collect()
+        return [photo() is not None for photo in read]
+
+    monkeypatch.setattr("app.engine.desk.read_photo", read_it)
+    return still_there
 
 
 def answered(engine, request):

@@ -1,13 +1,11 @@
 """The engine: newest wins, errors keep the picture, exposure costs nothing. Events instead of sleeps."""
 
-import gc
 import threading
-import weakref
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from fake_relighter import LONG_S, answered
+from fake_relighter import LONG_S, answered, photos_read
 
 from app.engine.engine import Engine
 from app.engine.sources import LightSource, PhotoSource, Request
@@ -184,18 +182,10 @@ def test_a_refused_photo_is_tried_once_only(engine, relighter):
 
 def test_a_photo_that_was_read_and_refused_is_not_kept(engine, tmp_path, monkeypatch):
     answered(engine, Request(PhotoSource(grey_photo()), SPLIT, Edit()))
-    read = []
-
-    def read_it(path):
-        photo = grey_photo()
-        read.append(weakref.ref(photo))
-        return photo
-
-    monkeypatch.setattr("app.engine.desk.read_photo", read_it)
+    still_there = photos_read(monkeypatch, grey_photo)
     bad = PhotoSource(tmp_path / "bad.png", None, OUTSIDE)
     assert bad in answered(engine, Request(bad, SPLIT, Edit())).refused
-    gc.collect()
-    assert [photo() for photo in read] == [None]
+    assert still_there() == [False]
 
 
 def test_a_file_that_is_no_image_is_told_by_name(engine, tmp_path):

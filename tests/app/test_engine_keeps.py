@@ -1,13 +1,11 @@
 """What the engine keeps between steps, and what it lets go: lights, channels, portraits, costs, refusals."""
 
-import gc
-import weakref
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from fake_relighter import LONG_S, FakeRelighter, FakeStage, answered
+from fake_relighter import LONG_S, FakeRelighter, FakeStage, answered, photos_read
 
 from app.engine import tier_meter
 from app.engine.calibration_file import write_costs
@@ -257,19 +255,11 @@ def test_a_photo_that_was_read_before_the_networks_could_not_be_loaded_is_not_ke
     def fail():
         raise InputError("relight.safetensors: damaged; fetch it again")
 
-    read = []
-
-    def read_it(path):
-        photo = a_photo()
-        read.append(weakref.ref(photo))
-        return photo
-
-    monkeypatch.setattr("app.engine.desk.read_photo", read_it)
+    still_there = photos_read(monkeypatch, a_photo)
     engine = Engine(fail)
     source = PhotoSource(Path("a.png"))
     assert source in answered(engine, Request(source, SPLIT, Edit())).refused
-    gc.collect()
-    assert [photo() for photo in read] == [None]
+    assert still_there() == [False]
     engine.close()
 
 
