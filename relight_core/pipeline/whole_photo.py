@@ -43,7 +43,7 @@ from relight_core.pipeline.results.finish import (
 )
 from relight_core.pipeline.results.outline_lines import outline_lines
 from relight_core.pipeline.results.picture import Picture, PlacedCatchlight, PlacedChange
-from relight_core.pipeline.results.strength import mixed_catchlights, mixed_changes, mixed_gain
+from relight_core.pipeline.results.strength import mixed
 
 BEFORE_THE_BRUSH = ("small", "draft_matte", "weights", "canvas", "panorama", "other_faces", "catchlights")
 """Stages that read nothing of what is painted by hand."""
@@ -117,7 +117,9 @@ class WholePhoto:
             "new light or slider",
         )
         eyes = self._eyes(catchlights, placed_changes, plan, edit, environment.level)
-        rest, placed_changes, eyes = self._mixed(rest, placed_changes, eyes, plan, edit.strength)
+        if edit.strength < 1:
+            mix = partial(mixed, rest, placed_changes, eyes, edit.strength)
+            rest, placed_changes, eyes = run("strength", plan.keys["strength"], mix, "new light or slider")
         if matte.own_alpha and edit.background in OWN_BACKGROUNDS:
             # Behind a person who was cut out there is nothing but what the cutting left.
             backdrop = Backdrop(transparent=True)
@@ -125,24 +127,6 @@ class WholePhoto:
             backdrop = self._backdrop(plan, environment, edit, placement, rest)
         of_photo = {"exposure": placement.photo.exposure, "catchlights": eyes}
         return Picture(self._canvas, matte, placed_changes, rest, backdrop, **of_photo)
-
-    def _mixed(
-        self,
-        rest: np.ndarray,
-        changes: tuple[PlacedChange, ...],
-        catchlights: tuple[PlacedCatchlight, ...],
-        plan: Plan,
-        strength: float,
-    ) -> tuple[np.ndarray, tuple[PlacedChange, ...], tuple[PlacedCatchlight, ...]]:
-        """What the light does to person and eyes, mixed with what the photo's own does; see `results.strength`."""
-        if strength == 1:
-            return rest, changes, catchlights
-
-        def mix() -> tuple[np.ndarray, tuple[PlacedChange, ...], tuple[PlacedCatchlight, ...]]:
-            mixed = mixed_changes(changes, strength), mixed_catchlights(catchlights, strength)
-            return mixed_gain(rest, strength), *mixed
-
-        return self._cache.run("strength", plan.keys["strength"], mix, "new light or slider")
 
     def shown(
         self, picture: Picture, plan: Plan, longest_side_px: int | None, for_shader: bool

@@ -16,23 +16,25 @@ import numpy as np
 
 from relight_core.pipeline.results.picture import PlacedCatchlight, PlacedChange
 
-
-def mixed_gain(gain: np.ndarray, strength: float) -> np.ndarray:
-    """A gain of the photo's colours (h, w, 3), >= 0, mixed with 1: the photo's own light at 0, as it is at 1."""
-    return gain if strength == 1 else cv2.addWeighted(gain, strength, np.ones_like(gain), 1 - strength, 0)
+WhatLightDoes = tuple[np.ndarray, tuple[PlacedChange, ...], tuple[PlacedCatchlight, ...]]
+"""The parts of a `Picture` that a light decides about: `rest`, `changes` and `catchlights`."""
 
 
-def mixed_changes(changes: Sequence[PlacedChange], strength: float) -> tuple[PlacedChange, ...]:
-    """What a light does within the faces' views, mixed with the photo as it is; `strength` in [0, 1]."""
-    if strength == 1:
-        return tuple(changes)
-    return tuple(
-        replace(one, gain=mixed_gain(one.gain, strength), offset=one.offset * np.float32(strength)) for one in changes
+def mixed(
+    rest: np.ndarray, changes: Sequence[PlacedChange], catchlights: Sequence[PlacedCatchlight], strength: float
+) -> WhatLightDoes:
+    """What the new light does to a person, mixed with the photo as it is.
+
+    Args:
+        strength: the share of the new light's picture, [0, 1].
+    """
+    share = np.float32(strength)
+
+    def with_one(gain: np.ndarray) -> np.ndarray:
+        return cv2.addWeighted(gain, strength, np.ones_like(gain), 1 - strength, 0)
+
+    return (
+        with_one(rest),
+        tuple(replace(one, gain=with_one(one.gain), offset=one.offset * share) for one in changes),
+        tuple(replace(one, added=one.added * share) for one in catchlights if strength),
     )
-
-
-def mixed_catchlights(catchlights: Sequence[PlacedCatchlight], strength: float) -> tuple[PlacedCatchlight, ...]:
-    """What is added in the eyes, over `mixed_changes` of the same strength; none at 0."""
-    if strength == 1:
-        return tuple(catchlights)
-    return tuple(replace(one, added=one.added * np.float32(strength)) for one in catchlights if strength)
