@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 
+from relight_core.evaluation.stride import stride_around
 from relight_core.evaluation.tables import figure_text, markdown_table
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.view_transform import apply_view
@@ -20,7 +20,6 @@ from relight_core.pipeline.results.relit import Relit
 _EVERYTHING = frozenset(EFFECTS) - {"background"}
 _SLIDER_STOPS = 10
 _VISITED_STOPS = 2
-_SPREADS = (7, 5, 3, 2, 1)
 _BRIGHTER = 1.7
 
 
@@ -133,11 +132,10 @@ def visits(lights: Sequence[Environment], turns: int) -> list[tuple[Environment,
         turns: stops of the full circle.
     """
     moving, steps = Edit(quality="live", channels=(), surface_of="final"), []
-    # What divides the circle would come to the same few stops again and again.
-    spread = next(spread for spread in _SPREADS if math.gcd(spread, turns) == 1)
+    stride = stride_around(turns)
     for number, light in enumerate(lights):
         steps.append((light, Edit(quality="final")))
-        stops = [(_VISITED_STOPS * number + visit) * spread % turns for visit in range(_VISITED_STOPS)]
+        stops = [(_VISITED_STOPS * number + visit) * stride % turns for visit in range(_VISITED_STOPS)]
         steps += [(light, replace(moving, yaw_deg=360.0 * stop / turns)) for stop in stops]
         turned = steps[-1][1]
         steps += [(light, replace(turned, shadow=1.6)), (light, replace(turned, specular=0.3))]

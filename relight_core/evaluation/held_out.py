@@ -6,7 +6,6 @@ panorama is turned, which light a photo is taken under and which one it is then 
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -22,6 +21,7 @@ from relight_core.dataset.painting.texture import TexturePool
 from relight_core.dataset.recipe import load_split
 from relight_core.dataset.samples import LitHead, channels_of, light_head, subsample, surface_of
 from relight_core.errors import InputError
+from relight_core.evaluation.stride import stride_around
 from relight_core.imaging.colour import srgb_decode
 from relight_core.lighting.environment import NETWORK_HEIGHT, Environment, network_light
 from relight_core.lighting.lamps import Lamp, lamps_of
@@ -193,8 +193,7 @@ def cases_of(head_number: int, lights: list[HeldOutLight]) -> list[Case]:
     lamps = [index for index, light in enumerate(lights) if light.lamp]
     count = len(panoramas)
     shifts = max(count - 1, 1)
-    step = next(step for step in (7, 5, 3, 2, 1) if math.gcd(step, shifts) == 1)
-    shift = 1 + (step * head_number) % shifts
+    shift = 1 + (stride_around(shifts) * head_number) % shifts
     cases = [Case(panoramas[i], panoramas[(i + shift) % count]) for i in range(count)]
     first = head_number * len(lamps)
     # Once all panoramas have been sources for lamps, each is one for the next lamp.
