@@ -108,7 +108,7 @@ def add_sliders(parser: argparse.ArgumentParser, *, makes_pictures: bool = True)
         help="turn the light; positive moves the panorama to the right, and a lamp in front of the person to the left",
     )
     if makes_pictures:
-        _add_what_channels_are_without(parser)
+        _add_settings_of_the_picture(parser)
     else:
         rest = Edit()
         parser.set_defaults(
@@ -130,8 +130,8 @@ def add_sliders(parser: argparse.ArgumentParser, *, makes_pictures: bool = True)
     add_face(parser)
 
 
-def _add_what_channels_are_without(parser: argparse.ArgumentParser) -> None:
-    """Strength, exposure and background."""
+def _add_settings_of_the_picture(parser: argparse.ArgumentParser) -> None:
+    """Strength, exposure and background, on which no channel depends."""
     parser.add_argument(
         "--strength",
         metavar="S",

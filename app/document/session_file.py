@@ -35,11 +35,13 @@ KIND, VERSION = "session", 5
 no strength."""
 
 SESSION_SUFFIX = ".relight.json"
+NARROWEST_BACKGROUND_DEG = 5.0
+"""The least of a light that is seen behind a person in the editor, across the longer side."""
 _EDIT_RANGES = {
     "yaw_deg": (-180.0, 180.0),
     "exposure_ev": (-16.0, 16.0),
     **{name: EDIT_RANGES[name] for name in ("specular", "shadow", "specular_tint", "shadow_softness", "strength")},
-    "background_fov_deg": (5.0, EDIT_RANGES["background_fov_deg"][1]),
+    "background_fov_deg": (NARROWEST_BACKGROUND_DEG, EDIT_RANGES["background_fov_deg"][1]),
     "background_blur_deg": EDIT_RANGES["background_blur_deg"],
 }
 _FORCED = ("forced_on", "forced_off")

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 from imgui_bundle import imgui
 
+from app.document.session_file import NARROWEST_BACKGROUND_DEG
 from app.ui import brush_edits, face_edits, theme, widgets
 from app.ui.panels import export_panel, history_panel, quality_panel
 from app.ui.panels.groups import SPACING_EM, Tool, group, tool_button, tool_width
+from app.ui.setting_slider import setting_slider
 from app.ui.state import EditorState
 from relight_core.pipeline.edit import EDIT_RANGES, Edit
 
-
-def _slider(field: str, label: str, form: str, words: str) -> widgets.Slider:
-    """A slider over all that a field of an Edit may be, which a double click brings back to the field's default."""
-    return widgets.Slider(label, *EDIT_RANGES[field], getattr(Edit(), field), form, words)
-
-
+_AT_REST = Edit()
+_slider = partial(setting_slider, EDIT_RANGES, _AT_REST)
 SHADOW = _slider("shadow", "Shadow", "%.2f", "Deepens or lifts the shadows the light casts; 0 removes them.")
 SPECULAR = _slider("specular", "Specular", "%.2f", "Strengthens or mattes the shine on the skin; 0 removes it.")
 SOFTNESS = _slider(
@@ -43,7 +42,12 @@ BACKGROUND_BLUR = _slider(
     "background_blur_deg", "Background blur", "%.1f°", "How far out of focus the light behind the person is."
 )
 BACKGROUND_WIDTH = widgets.Slider(
-    "Background width", 5.0, 170.0, 50.0, "%.0f°", "How much of the light is seen behind the person; less enlarges it."
+    "Background width",
+    NARROWEST_BACKGROUND_DEG,
+    EDIT_RANGES["background_fov_deg"][1],
+    _AT_REST.background_fov_deg,
+    "%.0f°",
+    "How much of the light is seen behind the person; less enlarges it.",
 )
 COLOUR = "Background colour"
 _FACES_IN_ROW = 7

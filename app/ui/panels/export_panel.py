@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from imgui_bundle import imgui
 
-from app.engine.exporting import FORMS, SIDES, ExportSettings
+from app.engine.exporting import FORMS, PROFILES, SIDES, ExportSettings
 from app.ui import theme, widgets
 from app.ui.export_name import choose_form, export_place, form_named, take_named_form
 from app.ui.panels.groups import group
@@ -28,10 +28,13 @@ QUALITY, NAME = "Export quality", "Export name"
 
 _INTEGERS = (("", "8 bit", "For screens."), ("deep", "16 bit", "For further editing."))
 _FLOATS = (("", "Half", "16-bit floats: enough for light."), ("deep", "Float", "32-bit floats."))
-PROFILE_CHOICES = (
-    ("srgb", "sRGB", "Looks the same everywhere; colours that sRGB does not hold are brought into it."),
-    ("photo", "As photo", "The photo's own colour profile, with its colours that sRGB does not hold."),
-)
+_PROFILE_WORDS = {
+    "srgb": ("sRGB", "Looks the same everywhere; colours that sRGB does not hold are brought into it."),
+    "photo": ("As photo", "The photo's own colour profile, with its colours that sRGB does not hold."),
+}
+PROFILE_CHOICES = tuple((profile, *_PROFILE_WORDS[profile]) for profile in PROFILES)
+"""Value, label and tooltip of each."""
+
 _QUALITIES = (50, 100)
 _SPACING, _LAYERS_SHARE = 4.0, 0.44
 _USUAL_QUALITY = ExportSettings().quality

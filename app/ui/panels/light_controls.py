@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from imgui_bundle import imgui
@@ -12,6 +13,7 @@ from imgui_bundle import imgui
 from app.ui import light_edits, theme, widgets
 from app.ui.panels.groups import Tool, group, tools_beside
 from app.ui.panels.panorama import add_next_box
+from app.ui.setting_slider import setting_slider
 from app.ui.state import EditorState
 from relight_core.imaging.colour import srgb_decode, srgb_encode
 from relight_core.lighting.light_edit import LIGHT_EDIT_RANGES, LightEdit
@@ -21,11 +23,8 @@ from relight_core.lighting.summary import metered_level_ev
 _AT_REST = SoftBox()
 """What a double click brings the sliders of a soft box back to."""
 
-
-def _light_slider(field: str, label: str, form: str, words: str) -> widgets.Slider:
-    """A slider over all that a field of a LightEdit may be, which a double click brings back to the field's default."""
-    return widgets.Slider(label, *LIGHT_EDIT_RANGES[field], getattr(LightEdit(), field), form, words)
-
+_box_slider = partial(setting_slider, SOFT_BOX_RANGES, _AT_REST)
+_light_slider = partial(setting_slider, LIGHT_EDIT_RANGES, LightEdit())
 
 BOX = {
     "intensity": widgets.Slider(
@@ -36,13 +35,7 @@ BOX = {
         "%.2f ×",
         "How strong this lamp is; 1 is as strong as the light's brightest side.",
     ),
-    "softness": widgets.Slider(
-        "Soft edge",
-        *SOFT_BOX_RANGES["softness"],
-        _AT_REST.softness,
-        "%.2f",
-        "0 has a crisp edge, 1 fades from the middle out.",
-    ),
+    "softness": _box_slider("softness", "Soft edge", "%.2f", "0 has a crisp edge, 1 fades from the middle out."),
     "kelvin": widgets.Slider(
         "Colour", 2000.0, 12000.0, _AT_REST.kelvin, "%.0f K", "From candle to blue sky; 5600 is daylight."
     ),
@@ -63,9 +56,7 @@ SHAPES = (
     ("rectangle", "Square", "A soft box, a window, a strip."),
     ("disc", "Round", "A beauty dish, an umbrella, a bulb, a ring light."),
 )
-HOLE = widgets.Slider(
-    "Hole", *SOFT_BOX_RANGES["hole"], _AT_REST.hole, "%.2f", "How much of it is dark in the middle, as of a ring light."
-)
+HOLE = _box_slider("hole", "Hole", "%.2f", "How much of it is dark in the middle, as of a ring light.")
 GEL, GEL_WORDS = "Coloured gel", "A coloured gel in front of this lamp."
 RESET_WORDS = "Puts level, colour and blur of the light back."
 _SPACING = 4.0
