@@ -60,7 +60,5 @@ def test_what_reaches_to_the_right_ends_alike_and_is_not_cut(opened, monkeypatch
     monkeypatch.setattr(imgui, "button", note)
     opened.window.state.groups = OpenGroups(effects=False, background=False)
     opened.frames(2)
-    reaching = [
-        ends[label] for label in ("Edit boxes…", "Edit outline…", "Copy", "PNGs", "Batch over a folder…", "Redo")
-    ]
+    reaching = [ends[label] for label in ("Outline…", "Copy", "PNGs", "Batch over a folder…", "Redo")]
     assert reaching == pytest.approx([ends["Copy"]] * len(reaching), abs=0.51)

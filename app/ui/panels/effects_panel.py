@@ -1,4 +1,4 @@
-"""The effects panel: the queue, sliders, background, faces and outline; then quality, export and history."""
+"""The effects panel: the queue, sliders, background, and faces; then quality, export and history."""
 
 from __future__ import annotations
 
@@ -60,7 +60,6 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     _effects(state, fonts)
     _backgrounds(state, fonts)
     _faces(state, fonts)
-    _outline(state, fonts)
     quality_panel.draw(state, fonts)
     export_panel.draw(state, fonts)
     history_panel.draw(state, fonts)
@@ -148,7 +147,7 @@ def _take_colour(state: EditorState, picked: Sequence[float] | None) -> None:
 
 
 def _faces(state: EditorState, fonts: theme.Fonts) -> None:
-    """Who is relit, and the way to correct where they are."""
+    """Who is relit, and the ways to correct where they are and what belongs to them."""
     faces = state.snapshot.faces
     state.pointing_at_faces = False
     if state.snapshot.opened is None:
@@ -169,25 +168,21 @@ def _faces(state: EditorState, fonts: theme.Fonts) -> None:
 
 
 def _faces_title(state: EditorState, fonts: theme.Fonts, count: int) -> None:
-    """How many there are, and the button that shows their boxes."""
-    tool = Tool("Edit boxes…", "Move or resize the boxes of the faces, add one that was missed.  Shift + F")
-    title = "No face" if count == 0 else "Face" if count == 1 else f"{count} faces"
-    if _title_with_tool(fonts, title, tool, state.faces.is_open):
-        face_edits.switch(state)
-
-
-def _outline(state: EditorState, fonts: theme.Fonts) -> None:
-    """The button that takes up the brush."""
+    """How many there are; the buttons that show their boxes and take up the brush are at the right end of the line."""
+    boxes = Tool("Boxes…", "Move or resize the boxes of the faces, add one that was missed.  Shift + F")
+    outline = Tool("Outline…", "Paint what belongs to the person and was missed, or what does not.  Shift + O")
+    tools = ((boxes, state.faces.is_open), (outline, state.brush.is_open))
     if state.snapshot.picture is None:
-        return
-    tool = Tool("Edit outline…", "Paint what belongs to the person and was missed, or what does not.  Shift + O")
-    if _title_with_tool(fonts, "Outline", tool, state.brush.is_open):
+        tools = tools[:1]
+    end = imgui.get_cursor_pos_x() + imgui.get_content_region_avail().x
+    widgets.heading(fonts, "No face" if count == 0 else "Face" if count == 1 else f"{count} faces")
+    spacing = SPACING_EM * imgui.get_font_size()
+    clicked = None
+    for place, (tool, is_on) in enumerate(tools):
+        imgui.same_line(end - sum(tool_width(later) for later, _ in tools[place:]) + spacing)
+        if tool_button(tool, is_on):
+            clicked = tool
+    if clicked is boxes:
+        face_edits.switch(state)
+    elif clicked is outline:
         brush_edits.switch(state)
-
-
-def _title_with_tool(fonts: theme.Fonts, title: str, tool: Tool, is_on: bool) -> bool:
-    """A heading with a button at the right end of its line; True when that is clicked."""
-    right = imgui.get_cursor_pos_x() + imgui.get_content_region_avail().x
-    widgets.heading(fonts, title)
-    imgui.same_line(right - tool_width(tool) + SPACING_EM * imgui.get_font_size())
-    return tool_button(tool, is_on)
