@@ -13,16 +13,17 @@ from relight_core.lighting.sphere import place_on_map
 
 _SMALLEST_SIDE = 64
 _WIDE_SIDE = 1024
-"""Pixels for a view so wide that its middle would skip texels; there and in small pictures the map is averaged."""
+"""Pixels that a view is drawn with at most just to show all texels in its middle; beyond that, and in small pictures,
+the map is averaged first."""
 
 _BLURRED_PX, _BLURRED_TEXELS = 6.0, 0.5
-"""Deviation in pixels, and in the map's texels at the picture's end, where they are widest, of a blur that is as
-smooth drawn small and enlarged as drawn finely."""
+"""Standard deviations from which on a blur that is drawn at low resolution and upsampled looks as smooth as one drawn
+at full resolution: in pixels, and in texels of the map at the picture's border, where they are widest."""
 
 _WIDEST_BLUR_DEG = 20.0
 _NARROWEST_DEG = 0.01
 _WIDEST_BLUR_SIDES = 4
-"""A picture that is blurred by several times its side is of one colour, and more of it would only take longer."""
+"""In sides of the picture. Blurred by that much it has one colour anyway; a wider kernel would only take longer."""
 
 
 def panorama_view(
@@ -33,16 +34,17 @@ def panorama_view(
     field_of_view_deg: float = 50.0,
     blur_deg: float = 1.0,
 ) -> np.ndarray:
-    """What a camera at the person's place sees that looks along -z, as large as it has something to show.
+    """What a camera in the person's place sees looking along -z, at no higher resolution than the light has detail.
 
-    A map coarser than the picture is drawn at a size that suits its texels, blurred by at least half a texel, and
-    enlarged, so that no texel shows. One that is blurred is drawn no larger than its blur calls for.
+    The caller upsamples the result to the picture. A map coarser than the picture is drawn at a size that suits its
+    texels and blurred by at least half a texel, so that no texel shows. A blurred one is drawn no larger than its
+    blur needs.
 
     Args:
         environment: the light.
-        yaw_deg: its turn; positive moves the background to the right.
+        yaw_deg: its rotation; positive moves the background to the right.
         height, width: pixels of the picture that it will be part of.
-        field_of_view_deg: of the picture's longer side, in (0, 170]; less than 0.01 counts as that.
+        field_of_view_deg: of the picture's longer side, in (0, 170]; below 0.01 counts as 0.01.
         blur_deg: standard deviation of the blur, in [0, 20].
 
     Returns:
@@ -56,7 +58,7 @@ def panorama_view(
     longer = max(height, width)
     side, focal = _drawn_side(environment.height, longer, field_of_view_deg, blur_deg)
     drawn_height, drawn_width = (max(1, round(n * side / longer)) for n in (height, width))
-    panorama = _no_finer(environment.shape, focal)
+    panorama = _no_finer_than_pixels(environment.shape, focal)
     sigma = _deviation_px(max(blur_deg, 90.0 / len(panorama)), focal, side)
     margin = min(math.ceil(3 * sigma), side)
     directions = _view_directions(drawn_height, drawn_width, longer * focal / side, height, width, margin)
@@ -72,7 +74,7 @@ def _check_view(field_of_view_deg: float, blur_deg: float, yaw_deg: float) -> No
 
 
 def _drawn_side(map_height: int, longer: int, field_of_view_deg: float, blur_deg: float) -> tuple[int, float]:
-    """Pixels of the longer side that is drawn, at most `longer`, and of how many the focal length is."""
+    """The longer side to draw, at most `longer`, and the focal length, both in pixels of that drawing."""
     texels = field_of_view_deg * map_height / 180.0
     sides_per_focal = 2 * math.tan(math.radians(max(field_of_view_deg, _NARROWEST_DEG) / 2))
     all_texels = min(math.ceil(sides_per_focal * map_height / math.pi), _WIDE_SIDE)
@@ -84,10 +86,10 @@ def _drawn_side(map_height: int, longer: int, field_of_view_deg: float, blur_deg
     return side, side / sides_per_focal
 
 
-def _no_finer(panorama: np.ndarray, focal: float) -> np.ndarray:
-    """The map, or a smaller copy with texels as wide as pixels in the middle of the view, which else would skip some.
+def _no_finer_than_pixels(panorama: np.ndarray, focal: float) -> np.ndarray:
+    """The map, or a copy that is shrunk until its texels are as wide as the pixels in the middle of the view.
 
-    A sun that lies between the places that are looked up would go out and come back while the light is turned.
+    Finer texels would fall between the directions that are sampled, and a sun would flicker while the light rotates.
     """
     height = max(math.ceil(focal * math.pi), 1)
     return panorama if height >= len(panorama) else resize_area(panorama, (height, 2 * height))
@@ -112,7 +114,7 @@ def _view_directions(
 
 
 def _sample(panorama: np.ndarray, directions: np.ndarray, yaw_deg: float) -> np.ndarray:
-    """Bilinear look-up of a lat-long map, round its seam; directions need no unit length."""
+    """Bilinear look-up in a lat-long map, continued across its seam; directions may have any length."""
     height, width = panorama.shape[:2]
     x, y, z = np.moveaxis(directions, -1, 0)
     across, down = place_on_map(x, y, z)

@@ -1,7 +1,7 @@
-"""Light that reaches a spot by way of its surroundings: one bounce, gathered from what the camera sees.
+"""Interreflection: one bounce of light from the surface that the camera sees onto parts of itself.
 
-Networks and relief know direct light alone. In a socket beside a nose that is lit from the side that is not enough:
-skin gives back more than half of the light, and the corner of the eye looks straight at it.
+Networks and relief only model direct light. That is not enough in an eye socket beside a nose that is lit from the
+side: skin reflects more than half of the light, and the corner of the eye faces it directly.
 """
 
 from __future__ import annotations
@@ -13,17 +13,19 @@ import torch.nn.functional as F
 
 _SOURCES = 32
 _NEAREST = 0.75
-"""Of a source cell's width: nearer than that it is a surface around the spot and no longer a point."""
+"""In widths of a source cell: no distance counts as less. A nearer cell surrounds the point it lights, and the form
+factor of two points would grow without bound."""
 
 
 @dataclass(frozen=True, eq=False)
 class Bounce:
-    """What some pixels of a surface get back from all of it.
+    """The linear map from a surface's irradiance to the light that it reflects onto some of its own pixels.
 
     Attributes:
-        places: (R,) their indices in the flattened image.
-        sources: (C,) which of the 32 * 32 cells of the image have a surface.
-        weights: (R, C) of what each of them sends out: form factors (cosine * cosine * area over pi r^2).
+        places: (R,) indices of the receiving pixels in the flattened image.
+        sources: (C,) indices of those of the image's 32 * 32 cells that contain some surface.
+        weights: (R, C) share of what each source cell sends out that reaches each receiving pixel: form factors
+            (cosine * cosine * area over pi r^2).
         reflecting: (1, 3, 32, 32) albedo, 0 beside the surface.
     """
 
@@ -33,11 +35,11 @@ class Bounce:
     reflecting: torch.Tensor
 
     def add_to(self, irradiance: torch.Tensor) -> torch.Tensor:
-        """The irradiance (1, 3, S, S), over pi, with what is thrown back; shadows on the surroundings are not known."""
+        """Irradiance over pi (1, 3, S, S), with the bounce added; shadows on the surroundings are ignored."""
         return irradiance + self.thrown_back(irradiance) if len(self.places) else irradiance
 
     def thrown_back(self, irradiance: torch.Tensor) -> torch.Tensor:
-        """What a surface under an irradiance (1, 3, S, S), over pi, throws to itself; as that."""
+        """The bounce alone, in the units and shape of the surface's irradiance over pi, (1, 3, S, S)."""
         result = irradiance.new_zeros(irradiance.shape)
         sent = F.interpolate(irradiance, size=_SOURCES, mode="area") * self.reflecting
         result.flatten(2)[0, :, self.places] = (self.weights @ sent[0].flatten(1)[:, self.sources].T).T
@@ -54,8 +56,8 @@ def gather_bounce(
         normal: (1, 3, S, S) unit vectors, camera space.
         relief: (1, 1, S, S) height toward the camera, in half-widths of the image.
         albedo: (1, 3, S, S) linear.
-        person: (1, 1, S, S) in [0, 1]: where there is a surface.
-        receives: (S, S) in [0, 1], how much of the bounce each pixel gets.
+        person: (1, 1, S, S) in [0, 1], where there is a surface.
+        receives: (S, S) in [0, 1], the share of its bounce that each pixel is given.
     """
     places = (receives.flatten() > 0.02).nonzero()[:, 0]
     small = (F.interpolate(image, size=_SOURCES, mode="area") for image in (normal, relief, albedo, person))
@@ -71,14 +73,14 @@ def gather_bounce(
 def form_factors(
     here: torch.Tensor, facing: torch.Tensor, there: torch.Tensor, away: torch.Tensor, width: float
 ) -> torch.Tensor:
-    """How much of what points see is each cell of a surface: (R, C), cosine * cosine * area over pi r^2.
+    """Form factors from cells of a surface to points, (R, C): cosine * cosine * area over pi r^2.
 
     Args:
-        here, facing: (R, 3) points and the unit normals there.
-        there, away: (C, 3) middles of the cells and their unit normals.
+        here, facing: (R, 3) receiving points and the unit normals there.
+        there, away: (C, 3) centres of the source cells and their unit normals.
         width: of a cell as the camera sees it, in the points' units.
     """
-    # Axis by axis: PyTorch takes twice as long over an array with three numbers in its last dimension.
+    # Axis by axis: PyTorch takes twice as long with an array whose last dimension is 3.
     between = [there[:, axis] - here[:, axis, None] for axis in range(3)]
     leaving = -sum(way * normal for way, normal in zip(between, away.T, strict=True))
     arriving = sum(way * normal[:, None] for way, normal in zip(between, facing.T, strict=True))
@@ -89,7 +91,7 @@ def form_factors(
 
 
 def points_of(relief: torch.Tensor) -> torch.Tensor:
-    """A relief (1, 1, S, S) as points (S * S, 3) in camera space, the view from -1 to 1."""
+    """A relief (1, 1, S, S) as points (S * S, 3) in camera space, where the view reaches from -1 to 1."""
     size = relief.shape[-1]
     axis = (torch.arange(size, device=relief.device) + 0.5) / size * 2 - 1
     y, x = torch.meshgrid(axis, axis, indexing="ij")

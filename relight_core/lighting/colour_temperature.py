@@ -1,4 +1,4 @@
-"""The colour of a glowing body, as a camera balanced for another temperature sees it."""
+"""The colour of a black body, as a camera sees it whose white balance is set to another temperature."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from relight_core.imaging.colour import REC709_LUMINANCE
 COOLEST_KELVIN = 1667.0
 HOTTEST_KELVIN = 25000.0
 WHITE_KELVIN = 5600.0
-"""What comes out grey, unless something else is said."""
+"""The default white balance: this temperature comes out grey."""
 
 _XYZ_TO_REC709 = np.array(
     [

@@ -1,4 +1,4 @@
-"""A coarse panorama drawn finer: smooth to look at, and exactly as bright in every texel it had."""
+"""Upsampling of coarse panoramas that is smooth and keeps the mean of every old texel exactly."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ import numpy as np
 from relight_core.lighting.panorama import shrink
 
 COARSE_HEIGHT = 64
-"""The texels of a panorama with fewer rows, as estimated lights have, would be seen as blocks."""
+"""Panoramas with fewer rows, such as estimated lights, would show their texels as blocks."""
 
 _ROUNDS = 4
 _TINY = np.float32(1e-12)
 
 
 def enlarge(radiance: np.ndarray, height: int) -> np.ndarray:
-    """Blend the texels of a panorama into each other on a finer grid, round its seam and over its poles.
+    """Interpolate a panorama on a finer grid, across its seam and its poles, with every old texel's mean unchanged.
 
-    A blend alone takes light from bright texels. It is multiplied by the blend of what each old texel lacks, a few
-    times over, and at last each old texel's average is restored exactly: whoever averages the result over the old
-    texels gets the old map back. Nothing becomes negative.
+    Interpolation alone takes light from bright texels. So the result is multiplied a few times by the interpolated
+    ratio of what each old texel should have to what it has, and finally by that ratio itself. Shrinking the result
+    gives the old map back, and nothing becomes negative.
 
     Args:
         radiance: (H, 2H, C) linear, >= 0.
@@ -44,15 +44,15 @@ def enlarge(radiance: np.ndarray, height: int) -> np.ndarray:
 
 
 def draw_finer(radiance: np.ndarray, height: int) -> np.ndarray:
-    """A panorama with at least as many rows; blended where its texels would be seen, repeated elsewhere.
+    """A panorama with at least as many rows: interpolated if its texels would show, otherwise repeated.
 
     Args:
         radiance: (H, 2H, C) linear, >= 0.
         height: rows of the result, at least H.
 
     Returns:
-        (height, 2 * height, C) float32; each old texel's average stays where the height is a multiple of H. The same
-        array where it is H.
+        (height, 2 * height, C) float32. If the height is a multiple of H, every old texel keeps its mean; if it is H,
+        this is `radiance` itself.
     """
     rows = radiance.shape[0]
     if rows == height:
@@ -62,12 +62,12 @@ def draw_finer(radiance: np.ndarray, height: int) -> np.ndarray:
 
 
 def _lacking(old: np.ndarray, fine: np.ndarray) -> np.ndarray:
-    """By how much each old texel is brighter than the fine map is there on average."""
+    """Each old texel over the fine map's mean in it."""
     return old / np.maximum(shrink(fine, old.shape[0]), _TINY)
 
 
 def _blended(coarse: np.ndarray, height: int) -> np.ndarray:
-    """Linear between the centres of the texels; beyond a pole lies what is half a turn away."""
+    """Bilinear between the centres of texels; across a pole lies what is half a turn away."""
     rows, columns = coarse.shape[:2]
     over = np.roll(coarse, columns // 2, axis=1)
     padded = np.concatenate([over[:1], coarse, over[-1:]])

@@ -1,4 +1,4 @@
-"""A light as a lat-long panorama: its shape and level, and what of it the networks read.
+"""A light as a lat-long panorama, split into shape and level, and the coarse version of it that the networks read.
 
 Rows run from +y (row 0) to -y; the centre column looks along -z and the right of the map is +x.
 """
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from relight_core.lighting.rig_render import Drawn
 
 WORKING_HEIGHT = 1024
-"""Rows a map keeps at most: enough for a background, small enough to turn while the user drags."""
+"""Rows a map keeps at most: enough for a background, few enough to rotate while the user drags."""
 
 NETWORK_HEIGHT = 16
 """Rows of the light that the networks read (paper, sec. 3.2: 16 x 32)."""
@@ -38,9 +38,9 @@ class Environment:
     Attributes:
         shape: (H, 2H, 3) float32 linear Rec.709 radiance whose mean luminance over the sphere is 1;
             all zero for a map without light. Read-only where this module made it.
-        level: that mean in the map's own units; shape * level is the map. At least 0, which is no light.
+        level: that mean in the map's own units, >= 0; shape * level is the map.
         name: for messages and the window.
-        drawn: what it was drawn from, of which `own_lamps` knows its lamps; None for any other light.
+        drawn: the rig that it was rendered from, in which `own_lamps` finds its lamps; None for any other light.
     """
 
     shape: np.ndarray = field(repr=False)
@@ -81,12 +81,13 @@ class Environment:
 
     @classmethod
     def of_parts(cls, radiance: np.ndarray, parts: Sequence[np.ndarray], name: str = "") -> Environment:
-        """As `from_radiance`, of a map that is the sum of others.
+        """As `from_radiance`, for a map that is the sum of others.
 
         Args:
             radiance: (H, 2H, 3) linear, no more than 1024 rows.
-            parts: those maps as they are, some of them coarser: the networks' light is the sum of each one's, and
-                not that of a coarse map drawn finer, and no lamp is smaller than the texels that it comes from.
+            parts: the maps before they were brought to one size, some of them coarser. The networks' light is
+                averaged from these, so that it doesn't depend on the upsampling, and no lamp is measured as smaller
+                than the texels that it comes from.
         """
         whole = cls.from_radiance(radiance, name)
         scale = 1.0 / whole.level if whole.level > 0.0 else 0.0
@@ -98,7 +99,7 @@ class Environment:
 
     @property
     def coarser_parts(self) -> tuple[np.ndarray, ...]:
-        """(h, 2h, 3) maps of fewer rows than the shape that were drawn finer to be a part of it, in its units."""
+        """(h, 2h, 3) parts of the sum that had fewer rows before they were upsampled, in units of the shape."""
         return self.of_shape("coarser parts", lambda _: ())
 
     @property
@@ -107,16 +108,17 @@ class Environment:
         return self.shape.shape[0]
 
     def at_level(self, level: float) -> Environment:
-        """The same light at another level; what is found of its shape is shared."""
+        """The same light at another level; both share what has been computed from the shape."""
         other = replace(self, level=level)
         object.__setattr__(other, "_found", self._found)
         return other
 
     def of_shape(self, name: Hashable, find: Callable[[np.ndarray], _T]) -> _T:
-        """What `find` makes of the shape, found once for all levels of it.
+        """`find(shape)`, computed once and cached for this light at all levels.
 
         Args:
-            name: of what is found.
+            name: the cache's key for it.
+            find: a function of the shape.
         """
         if name not in self._found:
             self._found[name] = find(self.shape)
@@ -124,7 +126,7 @@ class Environment:
 
     @property
     def fingerprint(self) -> str:
-        """Names shape and level by their contents, for keeping results under."""
+        """Identifies shape and level by their contents: a cache key."""
         return f"{self.of_shape('digest', _digest)} at {self.level!r}"
 
 
@@ -147,13 +149,13 @@ def read_environment(path: str | Path) -> Environment:
 
 
 def network_light(environment: Environment, yaw_deg: float = 0.0, height: int = NETWORK_HEIGHT) -> np.ndarray:
-    """The light as the networks read it: turned at its own resolution, then averaged to few texels.
+    """The light as the networks read it: rotated at its own resolution, then averaged over few large texels.
 
-    A texel narrower than the new ones is first spread to their width along its row, and to their height, so that a
-    small lamp passes from one new texel to the next evenly over the whole turn, or rise, from one to the other, where
-    averages alone would hold it still and then let it jump. The mean direction of a row's light is kept, and a map
-    of the result's own resolution is not spread. The rows are averaged and spread once per shape;
-    each angle then costs only the sums between its new texel edges.
+    Averaging alone would let a small lamp stand still while it crosses a large texel, and then jump to the next. So
+    a texel that is narrower or lower than the large ones is first spread to their width along its row and to their
+    height: the lamp then passes evenly from one to the next, while it rotates or rises. This keeps the mean
+    direction of each row's light. A map that has the result's resolution is not spread. Averaging over rows and
+    spreading are done once per shape; each angle then only costs the sums between the edges of the large texels.
 
     Returns:
         (height, 2 * height, 3) float32, mean luminance over the sphere 1.
@@ -184,7 +186,7 @@ def _as_panorama(radiance: np.ndarray, name: str) -> np.ndarray:
 
 
 def _clean(radiance: np.ndarray, name: str) -> np.ndarray:
-    """Replace values that no light can have; returns its argument where there are none."""
+    """Replace values that no light can have; without any, returns its argument."""
     if radiance.min() >= 0 and radiance.max() < np.inf:
         return radiance
     label = name or "the light"

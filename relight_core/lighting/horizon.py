@@ -1,7 +1,7 @@
-"""Horizons of a relief, direction by direction, for shadows with edges (horizon mapping: Max 1988).
+"""Horizons of a relief in single directions, for the sharp shadows of small lamps (horizon mapping: Max 1988).
 
-`lighting.relief` answers for whole panoramas at once and is coarse. A lamp is small, and asks for the horizon in a
-few directions of the image plane only; they are marched when first asked for.
+`lighting.relief` covers whole panoramas at once, at low resolution. A small lamp needs the horizon in only a few
+directions of the image plane; each is marched when it is first needed.
 """
 
 from __future__ import annotations
@@ -16,19 +16,22 @@ import numpy as np
 from relight_core.lighting.relief import BIAS, NOTHING, REACH
 
 _AZIMUTHS = 96
+"""Directions of the image plane, evenly spaced, whose horizons are marched; others are interpolated."""
 _LEAST_ASIDE = 0.05
+"""Near the camera's axis a disc would cover all azimuths: its distance from that axis counts as no less."""
 _HALF_STRIP = 0.2
 _STRIPS = (-0.8, -0.4, 0.0, 0.4, 0.8)
-"""Middles of upright strips of a lamp's disc, in its radius: what stands beside a point hides them one by one."""
+"""Centres of upright strips that a lamp's disc is cut into, in radii, each 0.2 to both sides. An upright edge, such as
+a jaw beside the neck, hides them one by one; taken as a whole the disc would vanish at once."""
 
 
 @dataclass(eq=False)
 class Horizon:
-    """What a height field hides from small lamps.
+    """Which small lamps each point of a height field can see.
 
     Attributes:
         relief: (S, S) float32 height toward the camera, in half-widths of the image.
-        covered: (S, S) bool: where there is a surface; elsewhere nothing casts a shadow.
+        covered: (S, S) bool, where there is a surface; elsewhere nothing casts a shadow.
     """
 
     relief: np.ndarray
@@ -41,44 +44,48 @@ class Horizon:
         radius_deg: float,
         seen_at: Callable[[np.ndarray], np.ndarray] = np.asarray,
     ) -> np.ndarray:
-        """How much of a lamp's disc each point sees, (S, S) float32 in [0, 1].
+        """The share of a lamp's disc that each point sees, (S, S) float32 in [0, 1].
 
         Args:
             toward: unit vector to the lamp, camera space.
             radius_deg: of the disc, positive.
-            seen_at: what to ask of the horizons (S, S): all, or those of other points between them. The result is of
-                the shape that it gives.
+            seen_at: resamples a map of horizons (S, S), for example to a finer lattice. The result has the shape that
+                it returns.
         """
         x, y, z = toward
         aside = np.hypot(x, y)
         elevation = np.arctan2(z, aside)
-        reach = radius_deg / max(aside, _LEAST_ASIDE) / 360 * _AZIMUTHS
-        turn = np.arctan2(y, x) / (2 * np.pi) * _AZIMUTHS
-        right = seen_at(self._between(turn - reach))
+        half_width = radius_deg / max(aside, _LEAST_ASIDE) / 360 * _AZIMUTHS
+        azimuth = np.arctan2(y, x) / (2 * np.pi) * _AZIMUTHS
+        right = seen_at(self._between(azimuth - half_width))
         seen, whole = np.zeros(right.shape, np.float32), 0.0
         for offset in _STRIPS:
-            left, right = right, seen_at(self._between(turn + (offset + _HALF_STRIP) * reach))
+            left, right = right, seen_at(self._between(azimuth + (offset + _HALF_STRIP) * half_width))
             height = 2 * np.radians(radius_deg) * np.sqrt(1 - offset * offset)
             above = elevation - (left + right) / 2
             seen += height * np.clip(above / (height + np.abs(left - right)) + 0.5, 0, 1)
             whole += height
         return seen / np.float32(whole)
 
-    def _between(self, turn: float) -> np.ndarray:
-        """(S, S) radians of the horizon in any direction, `turn` counting azimuths."""
-        first = int(np.floor(turn))
+    def _between(self, azimuth: float) -> np.ndarray:
+        """(S, S) elevation of the horizon in radians, interpolated between marched azimuths (see `_elevation`)."""
+        first = int(np.floor(azimuth))
         before, after = (self._elevation((first + step) % _AZIMUTHS) for step in (0, 1))
-        return before + (after - before) * np.float32(turn - first)
+        return before + (after - before) * np.float32(azimuth - first)
 
     def _elevation(self, azimuth: int) -> np.ndarray:
-        """(S, S) radians of the horizon in a direction of the image plane; azimuth 0 is +x, a quarter of them +y."""
+        """(S, S) elevation of the horizon in radians, above the image plane, at one of the 96 azimuths.
+
+        Azimuth 0 is +x, 24 is +y.
+        """
         if azimuth not in self._elevations:
             self._elevations[azimuth] = np.arctan(self._steepest(2 * np.pi * azimuth / _AZIMUTHS))
         return self._elevations[azimuth]
 
     def _steepest(self, angle: float) -> np.ndarray:
-        """(S, S) slope over the image plane up to which the sky is hidden in a direction."""
+        """(S, S) slope over the image plane up to which the sky is hidden in a direction, in radians from +x to +y."""
         right, down = np.cos(angle), -np.sin(angle)
+        # Transposed and mirrored until the march goes to the right and down, and rather to the right.
         turned = abs(down) > abs(right)
         along, across = (down, right) if turned else (right, down)
         sides = slice(None, None, -1 if across < 0 else 1), slice(None, None, -1 if along < 0 else 1)
@@ -91,11 +98,13 @@ class Horizon:
 def _march_right(height: np.ndarray, relief: np.ndarray, down: float) -> np.ndarray:
     """Steepest slope from every point (S, S) of a relief to the heights (S, S) on its right.
 
-    Every column is looked at where the ray crosses it: a brim is a pixel wide, and its shadow would be striped if some
-    rays stepped over it.
+    The ray is sampled where it crosses each column. With longer steps some rays would miss a brim, which is a pixel
+    wide, and its shadow would be striped.
 
     Args:
-        down: rows that the ray goes down from a column to the next, in [0, 1].
+        height: of what casts shadows, `NOTHING` beside the surface.
+        relief: of the points that receive them.
+        down: rows that the ray descends from one column to the next, in [0, 1].
     """
     size = len(height)
     steepest, from_here = np.full_like(height, NOTHING), relief + np.float32(BIAS)

@@ -1,4 +1,4 @@
-"""The light that explains a photo, once the surface is known: a first guess, multiplied until it fits."""
+"""Inverse lighting: the light under which a known surface looks as in the photo."""
 
 from __future__ import annotations
 
@@ -8,25 +8,26 @@ from relight_core.imaging.tensor_colour import luminance_weights
 
 _ITERATIONS = 10
 _TRUST_IN_GUESS = 0.1
-"""Weight of the guess beside the photo, in the mean weight that a texel has in it."""
+"""Weight of the guess, as a multiple of the mean weight that the photo has over texels."""
 _TRUST_IN_COLOUR = 0.5
-"""The power of each channel's quotient beside that of luminance: 1 would follow colours in full, 0 not at all."""
+"""Exponent of each channel's ratio relative to that of luminance: 1 would follow colours fully, 0 not at all."""
 _DARKEST = 1e-3
-"""The least radiance of a texel in the guess, in its mean: what is 0 would stay 0."""
+"""Least radiance of a texel of the guess, as a multiple of its mean: a texel of 0 would stay 0."""
 
 
 @torch.no_grad()
 def explain_photo(
     guess: torch.Tensor, transport: torch.Tensor, shading: torch.Tensor, weight: torch.Tensor
 ) -> torch.Tensor:
-    """Change a guessed light so that it lights the surface as the photo shows it.
+    """Change a guessed light until it shades the surface as the photo shows it.
 
-    Direct light is linear in the environment, so the shading of known pixels is transport times light. Every
-    texel is multiplied by how much brighter the photo is than predicted, averaged over the pixels it lights
-    (Richardson 1972; Lucy 1974), a few times and held back by the guess. So light stays light: never
-    negative, no holes where nothing was known, as smooth as the transport is. At every step colours
-    follow by half, since an albedo whose hue is off looks like coloured light: what few pixels tell of keeps the
-    guess's hue longer, what many agree in does not.
+    Direct light is linear in the environment: the shading of the pixels is transport times light. A few times over,
+    every texel is multiplied by the ratio of the photo to the prediction, averaged over the pixels that it lights
+    (Richardson 1972; Lucy 1974), with the guess as a regulariser. So the light is never negative, has no holes where
+    the photo says nothing, and is as smooth as the transport.
+
+    Colours change by only half of that ratio in each iteration, since an albedo with a wrong hue looks like coloured
+    light. Where few pixels say something, the light keeps the guess's hue longer than where many agree.
 
     Args:
         guess: (T, 3) radiance >= 0 at the scale of `shading`.
@@ -35,7 +36,7 @@ def explain_photo(
         weight: (P,) trust in each pixel, >= 0.
 
     Returns:
-        (T, 3) radiance >= 0; the guess where no pixel is trusted.
+        (T, 3) radiance >= 0; the guess if no pixel is trusted.
     """
     total, known = weight.sum(), weight > 0
     if float(total) <= 0:
@@ -47,7 +48,7 @@ def explain_photo(
         return guess
     start = guess.clamp_min(_DARKEST * float(guess.mean()))
     wanted = trusted.T @ shading.clamp_min(0) + pull * start
-    # A product of all pixels with three columns takes as long as this once, and would be needed twenty times.
+    # This (T, T) product costs about as much as one pass over all pixels, and saves two passes per iteration.
     both = trusted.T @ transport
     light = start
     for _ in range(_ITERATIONS):
@@ -56,7 +57,7 @@ def explain_photo(
 
 
 def _ratio(wanted: torch.Tensor, predicted: torch.Tensor) -> torch.Tensor:
-    """Quotient (T, 3) whose colour is damped toward grey."""
+    """Ratio (T, 3) whose colour is damped toward grey."""
     luminance = luminance_weights(wanted)
     grey = ((wanted @ luminance) / (predicted @ luminance).clamp_min(1e-12))[:, None]
     each = wanted / predicted.clamp_min(1e-12)

@@ -1,13 +1,13 @@
 """The small lamps of a light: suns, bulbs and spots, whose shadows have edges.
 
-The light that the networks read has texels of 11 degrees, so that a sun in it is as soft as a window. Here the
-places that are smaller than that are found in the panorama itself, with their direction, size and strength.
-Nothing switches: a lamp that is enlarged, or dimmed against the rest, loses its `hardness` by degrees.
+The light that the networks read has texels of 11 degrees, in which a sun is as soft as a window. So smaller bright
+places are found in the panorama itself, with their direction, size and strength. Nothing switches abruptly: a lamp
+that is enlarged, or dimmed relative to the rest, loses its `hardness` gradually.
 
-How: bright peaks are centred (`_places`). Each is then measured as a disc (`_measured`): what stands out within
-AROUND_DEG of its centre from the mean of the ring beyond, up to `_FARTHEST_DEG`, is the lamp's light; the second
-moment of that light gives the radius. Where lamps are close together, light is shared between them (`_claims`), and
-no lamp is part of another's ring.
+How: bright peaks are moved to the centroid of the light around them (`_places`). Each is then measured as a disc
+(`_measured`). Its background is the mean of a ring around it; what exceeds the background within AROUND_DEG of the
+centre is the lamp's light, and the second moment of that light gives the radius. Lamps that are close together share
+the light between them (`_claims`), and no lamp is part of another's ring.
 """
 
 from __future__ import annotations
@@ -26,28 +26,29 @@ from relight_core.lighting.roll import roll_light
 from relight_core.lighting.sphere import directions, place_on_map, solid_angles, turned
 
 _ROWS = 128
-"""Rows of the panorama in which lamps are sought, at the most."""
+"""Lamps are searched for in a panorama of at most so many rows."""
 MOST_LAMPS, _ROUNDS = 4, 8
-"""Lamps of a light, and bright places that are looked at for them: specks are brighter than many a sun."""
+"""Lamps that a light has at most, and bright places that are examined for them: a speck may be brighter than a sun."""
 _AHEAD = 1.25
-"""A lamp that gives less than so many times what the first one left out gives loses hardness."""
+"""A lamp must give so many times as much light as the strongest one left out to keep its full hardness, so that nothing
+jumps when two lamps swap ranks."""
 _NO_HARDNESS = 1e-3
 
 _CORE_DEG, AROUND_DEG, BEYOND_DEG = 6.0, 12.0, 18.0
-"""How far from its centre a lamp's light counts in full, and how far at most; and up to where the ring around it, whose
-mean is the background that it stands out from, counts in full."""
+"""Angles from a lamp's centre: up to the first, light is wholly the lamp's; from the second on, not at all. The ring
+around it, whose mean is its background, has its full weight up to the third."""
 _FARTHEST_DEG = 2 * BEYOND_DEG - AROUND_DEG
 """Where that ring ends."""
 _NEAR_DEG, _CENTRINGS = (3.0, 6.0), 6
-"""How far off light counts in full, and at all, when a peak is moved to the centroid of the light about it, and how
-often that is done."""
+"""A peak is moved six times to the centroid of the light around it. Light counts in full up to 3 degrees from it, and
+not at all from 6 on."""
 
 _DIMMEST = 4.0
-"""Radiance of the dimmest peak, in means of the sphere."""
+"""Radiance of the dimmest peak, as a multiple of the mean over the sphere."""
 _RADIUS_DEG = (7.5, 4.0)
-"""Radii from which down on a lamp counts as small, in part and altogether."""
+"""Ramp of radii: from the first one down a lamp begins to count as small, from the second one down it is."""
 _SHARE = (0.02, 0.06)
-"""Shares of all light that a lamp gives from which on it counts, in part and altogether."""
+"""Ramp of a lamp's share of all light: from the first one on it begins to count, from the second one on it does."""
 
 
 @dataclass(frozen=True)
@@ -56,11 +57,11 @@ class Lamp:
 
     Attributes:
         toward: unit vector, camera space.
-        radius_deg: of the even disc whose light has the same second moment.
-        irradiance: that it gives a surface facing it, over pi, >= 0.
-        hardness: in (0, 1], how far it counts as small; 0 would be a window or next to no light.
-        alone: this lamp as a light of its own, before it was turned; None for an even disc.
-        yaw_deg: by how much the lamp has been turned since.
+        radius_deg: of a uniform disc whose light has the same second moment.
+        irradiance: on a surface that faces it, over pi, >= 0.
+        hardness: in (0, 1], to what degree it counts as a small lamp; large or faint ones approach 0.
+        alone: a light with only this lamp, before it was rotated; None for a uniform disc.
+        yaw_deg: by how much the lamp has been rotated since.
     """
 
     toward: tuple[float, float, float]
@@ -71,11 +72,11 @@ class Lamp:
     yaw_deg: float = field(default=0.0, compare=False, repr=False)
 
     def turned(self, yaw_deg: float) -> Lamp:
-        """As of the environment turned about +y; positive moves it to the right in the panorama."""
+        """The lamp in the environment rotated about +y; positive moves it to the right in the panorama."""
         return replace(self._moved(*turned(np.array(self.toward), yaw_deg)), yaw_deg=self.yaw_deg + yaw_deg)
 
     def rolled(self, roll_deg: float) -> Lamp:
-        """As a camera sees it that is turned counterclockwise as it looks (see `lighting.roll`)."""
+        """The lamp in the camera space of a camera rolled counterclockwise, seen in viewing direction (see `roll`)."""
         x, y, z = self.toward
         angle = np.radians(roll_deg)
         return self._moved(x * np.cos(angle) + y * np.sin(angle), y * np.cos(angle) - x * np.sin(angle), z)
@@ -85,21 +86,21 @@ class Lamp:
 
 
 def lamps_of(environment: Environment, yaw_deg: float = 0.0) -> tuple[Lamp, ...]:
-    """The small lamps of a light, those that give most first, at most 4; sought once per shape."""
+    """The small lamps of a light, at most 4, the strongest first; searched for once per shape."""
     return tuple(lamp.turned(yaw_deg) for lamp in _foremost(bright_places(environment)))
 
 
 def bright_places(environment: Environment) -> tuple[Lamp, ...]:
-    """All that may be a small lamp, those that give most first, each with the hardness that it has by itself."""
+    """All that may be a small lamp, the strongest first, each with its hardness before lamps compete for the 4."""
     return environment.of_shape("bright places", lambda shape: _find(shape, environment.coarser_parts))
 
 
 def footprint(lamp: Lamp, roll_deg: float = 0.0) -> np.ndarray:
-    """How a lamp's power is spread over the texels of the light that the networks read, (16, 32) float32, sum 1.
+    """How a lamp's power is distributed over the texels of the networks' light, (16, 32) float32 of sum 1.
 
-    The lamp's own texels go through `network_light`, as the whole light does, and for a turned view through
-    `roll_light` afterwards. Both orders and kernels must be the light's, or the lamp could not be subtracted from it:
-    near a pole, for example, the smallest disc reaches farther around than a sun's single texel.
+    The lamp's own texels go through `network_light` and, for a rolled view, then through `roll_light`, exactly as the
+    whole light does. With other kernels or another order the lamp could not be subtracted from the light: near a
+    pole, for example, even the smallest disc covers a wider range of azimuths than a sun's single texel.
 
     Args:
         lamp: in the camera space of the photo.
@@ -127,7 +128,7 @@ def _footprint_of_disc(lamp: Lamp, height: int) -> np.ndarray:
 
 
 def _disc(lamp: Lamp) -> np.ndarray:
-    """(16, 3) unit vectors spread over a lamp's disc, as a sunflower spreads its seeds."""
+    """(16, 3) unit vectors spread evenly over a lamp's disc, in the spiral of a sunflower's seeds."""
     toward = np.array(lamp.toward)
     across = np.cross(toward, (0.0, 1.0, 0.0) if abs(toward[1]) < 0.9 else (1.0, 0.0, 0.0))
     across /= np.linalg.norm(across)
@@ -141,14 +142,14 @@ def _disc(lamp: Lamp) -> np.ndarray:
 
 @dataclass(frozen=True)
 class _Sky:
-    """A light where lamps are sought: n texels of a panorama, float64.
+    """The panorama in which lamps are searched for, as n texels, float64.
 
     Attributes:
         grey: (n,) luminance of the radiance.
         toward: (n, 3) unit vectors.
         areas: (n,) solid angles in steradians.
-        texel_deg_squared: (n,) squared height of the texels that the light there was drawn from, averaged by luminance
-            where a coarser map is a part of it.
+        texel_deg_squared: (n,) squared height of a texel in the map that the light came from: an average weighted by
+            luminance where a coarser map is part of the sum.
     """
 
     grey: np.ndarray
@@ -157,7 +158,7 @@ class _Sky:
     texel_deg_squared: np.ndarray
 
     def within(self, most_deg: float, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The texels that are no farther from a direction, and how far each is, in degrees."""
+        """Indices of the texels within an angle of a direction, and the angle of each, in degrees."""
         ahead = self.toward @ centre
         near = np.flatnonzero(ahead > np.cos(np.radians(most_deg)))
         return near, np.degrees(np.arccos(np.minimum(ahead[near], 1)))
@@ -165,13 +166,13 @@ class _Sky:
 
 @dataclass(frozen=True)
 class _Place:
-    """A bright place.
+    """A bright place that may be a lamp.
 
     Attributes:
         centre: (3,) unit vector.
         near: (m,) indices of the texels within `_FARTHEST_DEG`.
-        off_deg: (m,) how far each of them is from the centre.
-        power: radiance times solid angle of what lies near the centre.
+        off_deg: (m,) angle of each of them from the centre.
+        power: radiance times solid angle, summed over the light that counted for the centroid.
     """
 
     centre: np.ndarray
@@ -198,7 +199,7 @@ def _grey(radiance: np.ndarray, rows: int) -> np.ndarray:
 
 
 def _find(shape: np.ndarray, coarser: tuple[np.ndarray, ...]) -> tuple[Lamp, ...]:
-    """`bright_places` of a light's shape (H, 2H, 3); `coarser` as of `Environment.coarser_parts`."""
+    """`bright_places` of a light's shape (H, 2H, 3), with its `Environment.coarser_parts`."""
     sky = _sky(shape, coarser)
     places = _places(sky)
     around = np.zeros((len(places), sky.grey.size))
@@ -207,10 +208,10 @@ def _find(shape: np.ndarray, coarser: tuple[np.ndarray, ...]) -> tuple[Lamp, ...
     of_none, lamps = np.prod(1 - around, axis=0), []
     for place, share, claim in zip(places, around, _claims(places, around), strict=True):
         near, beyond = place.near, _beyond(place.off_deg)
-        # What belongs to another lamp is left out of the ring. This one's own share in `of_none` is divided out.
+        # The ring excludes what belongs to other lamps. `of_none` excludes this lamp too, which is divided out again.
         lamp, radiance = _measured(sky, near, claim[near], beyond * of_none[near] / np.maximum(1 - share[near], 1e-12))
-        # Measured once more as if no other place had a claim: a window's corners, whose middle is claimed by another
-        # place, are no small lamps, and two lamps that share their light are as hard as if one had all of it.
+        # Measured again as if no other place had a claim. A window's corner is not a small lamp only because another
+        # place claims the window's middle. And two lamps that share their light stay as hard as one with all of it.
         whole, _ = _measured(sky, near, share[near], beyond)
         hardness = min(lamp.hardness, _smallness(whole.radius_deg)) * ramp(whole.irradiance / 4, *_SHARE)
         if hardness > 0:
@@ -222,7 +223,7 @@ def _places(sky: _Sky) -> list[_Place]:
     """Bright places, the brightest first.
 
     The brightest texel of a disc may be at its rim, so each place is moved to the centroid of the light around it. Only
-    light within a few degrees counts for that, so that two lamps near each other don't draw each other's centres.
+    light within a few degrees counts for that, so that two neighbouring lamps don't attract each other's centres.
     """
     left, found = np.ones(sky.grey.size), []
     for _ in range(_ROUNDS):
@@ -245,17 +246,17 @@ def _places(sky: _Sky) -> list[_Place]:
 
 
 def _around(off_deg: np.ndarray) -> np.ndarray:
-    """Share of the light at a distance from a lamp's centre that is the lamp's, [0, 1]; smooth at both ends."""
+    """Share of the light that may be the lamp's, [0, 1], by angle from its centre; smooth at both ends."""
     return 1 - smooth_ramp(off_deg, _CORE_DEG, AROUND_DEG)
 
 
 def _beyond(off_deg: np.ndarray) -> np.ndarray:
-    """Weight of the light at a distance from a lamp's centre in the background that it stands out from, [0, 1]."""
+    """Weight of the light in the ring that gives a lamp's background, [0, 1], by angle from its centre."""
     return (1 - _around(off_deg)) * (1 - ramp(off_deg, 2 * AROUND_DEG - _CORE_DEG, _FARTHEST_DEG))
 
 
 def _claims(places: list[_Place], around: np.ndarray) -> np.ndarray:
-    """(places, n) the share of each texel that is each place's, [0, 1]; several places share by their power."""
+    """Share of each texel's light that belongs to each place, (places, n) in [0, 1]: divided in proportion to power."""
     weights = around * np.array([place.power for place in places]).reshape(-1, 1)
     return around * weights / np.maximum(weights.sum(0), 1e-12)
 
@@ -265,7 +266,7 @@ def _given(lamp: Lamp) -> float:
 
 
 def _foremost(ranked: tuple[Lamp, ...]) -> tuple[Lamp, ...]:
-    """The four that give most light; those that give hardly more than the fifth lose their hardness."""
+    """The four strongest lamps; those that are hardly stronger than the fifth lose some hardness."""
     if len(ranked) <= MOST_LAMPS:
         return ranked
     fifth = _given(ranked[MOST_LAMPS])
@@ -277,14 +278,14 @@ def _foremost(ranked: tuple[Lamp, ...]) -> tuple[Lamp, ...]:
 
 
 def _measured(sky: _Sky, near: np.ndarray, around: np.ndarray, beyond: np.ndarray) -> tuple[Lamp, np.ndarray]:
-    """The light near a place above its background, as one lamp that is as hard as its size alone makes it.
+    """Measure the light near a place above its background as one lamp, whose hardness follows from its size alone.
 
     Args:
         near: (m,) indices of the texels.
-        around, beyond: (m,) shares in [0, 1] of each that are the lamp's, and that count as its background.
+        around, beyond: (m,) in [0, 1], each texel's share that may be the lamp's, and its weight in the background.
 
     Returns:
-        the lamp, and (m,) the luminance of its light in those texels.
+        The lamp, and the luminance of its light in those texels, (m,).
     """
     grey, areas, toward = sky.grey[near], sky.areas[near], sky.toward[near]
     behind = (grey * areas * beyond).sum() / max((areas * beyond).sum(), 1e-12)
@@ -294,15 +295,15 @@ def _measured(sky: _Sky, near: np.ndarray, around: np.ndarray, beyond: np.ndarra
     mean = power @ toward
     mean /= max(np.linalg.norm(mean), 1e-12)
     off_deg = np.degrees(np.arccos(np.clip(toward @ mean, -1, 1)))
-    # A disc's mean squared distance from its middle is half its radius squared. What is smaller than a texel may
-    # be as large as one.
+    # A disc's mean squared distance from its centre is half its squared radius. What is smaller than a texel can't be
+    # told from a lamp of a texel's size, so half a texel's height is added in quadrature.
     radius_deg = float(np.sqrt(2 * (power @ (off_deg**2 + sky.texel_deg_squared[near] / 4)) / total))
     toward = tuple(float(part) for part in mean)
     return Lamp(toward, radius_deg, float(total / np.pi), _smallness(radius_deg)), radiance
 
 
 def _alone(sky: _Sky, near: np.ndarray, radiance: np.ndarray) -> Environment:
-    """The light of a lamp, (m,) in the texels near it, and none in all others."""
+    """A light that has a lamp's radiance (m,) in the texels near it, and is black elsewhere."""
     panorama = np.zeros(sky.grey.size, np.float32)
     panorama[near] = radiance
     height = math.isqrt(panorama.size // 2)

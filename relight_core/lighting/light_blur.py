@@ -1,4 +1,4 @@
-"""A light out of focus: blurred on the sphere, alike in all directions, without losing energy."""
+"""Blur of a light on the sphere, isotropic and energy-conserving."""
 
 from __future__ import annotations
 
@@ -17,18 +17,19 @@ _BALANCING_STEPS = 60
 
 
 def blur_light(radiance: np.ndarray, blur_deg: float) -> np.ndarray:
-    """Average a panorama with a Gaussian of the angle on the sphere.
+    """Blur a panorama with a kernel that is a Gaussian of the angle between two directions.
 
-    The kernel is balanced on the map's own texels, so that the sum of radiance times solid angle stays and an
-    even light stays even. Sideways it is a circular convolution, done by Fourier transform. Below half a texel a kernel
-    would not be sampled: that blur is mixed into the map itself, so that the first tick of a slider is no leap.
+    The kernel is balanced on the map's texels, so that the sum of radiance times solid angle is kept and an even
+    light stays even. Along the rows it is a circular convolution, done by Fourier transform. A kernel narrower than
+    half a texel can't be sampled; a blur of half a texel is then mixed with the map, so that a slider starts without
+    a jump.
 
     Args:
         radiance: (H, 2H, C) linear.
         blur_deg: standard deviation, [0, 90]; 0 returns the argument.
 
     Returns:
-        (h, 2h, C) float32; h at most 128, or H where the blur is less than half a texel of that.
+        (h, 2h, C) float32; h is at most 128, or H if the blur is less than half a texel of such a map.
 
     Raises:
         ValueError: a blur out of range.
@@ -54,7 +55,7 @@ def _blurred(small: np.ndarray, blur_deg: float) -> np.ndarray:
 
 @lru_cache(maxsize=4)
 def _kernel(height: int, blur_deg: float) -> np.ndarray:
-    """(rows out, rows in, frequencies) of the balanced kernel times the solid angle of the rows in."""
+    """The balanced kernel times the solid angle of the rows in, as (rows out, rows in, frequencies along a row)."""
     toward = directions(height, 2 * height).astype(np.float64)
     cosines = np.clip(np.einsum("ic,jwc->ijw", toward[:, 0], toward), -1.0, 1.0)
     weights = np.exp(-0.5 * (np.arccos(cosines) / np.radians(blur_deg)) ** 2)
@@ -64,7 +65,7 @@ def _kernel(height: int, blur_deg: float) -> np.ndarray:
     for _ in range(_BALANCING_STEPS):
         gains = np.sqrt(gains / (row_weights @ gains))
     gains /= np.sqrt(gains @ (row_weights @ gains) / height)
-    # One last exact step for the energy of every row that is spread.
+    # One last step makes the energy that each row gives exact.
     rows = gains[:, None] * row_weights * gains[None, :]
     spread = (bands @ rows) / bands
     balanced = weights * (gains[:, None] * (gains * bands / spread)[None, :])[..., None]

@@ -28,12 +28,13 @@ LIGHT_EDIT_RANGES = {
     "blur_deg": (0.0, LARGEST_BLUR_DEG),
 }
 DRAWN_HEIGHT = 256
-"""Rows that soft boxes are drawn with, for edges smoother than any light the networks read."""
+"""Rows that soft boxes are drawn with: enough for edges that the networks' light, of 16 rows, can't resolve."""
 
 DRAFT_HEIGHT = 64
-"""Rows that are enough while a hand moves something."""
+"""Rows that are enough while the user drags something."""
 
 _TINT_STOPS = 0.7
+"""Stops that red and blue gain on green at a tint of 1."""
 
 
 @dataclass(frozen=True)
@@ -47,10 +48,10 @@ class LightEdit:
         warmth: [-1, 1]: 1 makes daylight look like a 2800 K lamp, -1 like 11200 K.
         tint: [-1, 1], from green to magenta.
         blur_deg: standard deviation of the blur, [0, 90].
-        boxes: soft boxes, of which the editor draws no more than 16; neither colour, blur nor base touch them.
-        metered: the light beneath all this is brought to the level that suits a photo, whatever units it came in.
-        apart: the light's own lamps are taken out, and only its room lies beneath the boxes (see `taken_apart`).
-            Changes nothing about a light without lamps.
+        boxes: soft boxes, at most 16 in the editor; colour, blur and base don't affect them.
+        metered: the base light is brought to the level that suits a photo, whatever its file's units.
+        apart: the light's own lamps are removed from it, and only the room remains beneath the boxes (see
+            `taken_apart`). Has no effect on a light without lamps.
     """
 
     level_ev: float = 0.0
@@ -65,12 +66,12 @@ class LightEdit:
 
     @property
     def added_boxes(self) -> tuple[SoftBox, ...]:
-        """The soft boxes that were no lamps of the light's own."""
+        """The soft boxes that the user added: those that did not come from the light's own lamps."""
         return tuple(box for box in self.boxes if not box.name)
 
     @property
     def added(self) -> LightEdit:
-        """What it is around any light: the soft boxes that were added, and with them the room's share."""
+        """The part of the edit that makes sense for any light: the added soft boxes and, if there are any, `base`."""
         boxes = self.added_boxes
         return LightEdit(base=self.base if boxes else 1.0, boxes=boxes)
 
@@ -89,10 +90,10 @@ def edit_light(light: Environment, edit: LightEdit, draft: bool = False) -> Envi
     Args:
         light: the base.
         edit: what to change.
-        draft: draw coarsely, in a fraction of the time.
+        draft: draw with fewer rows, in a fraction of the time.
 
     Returns:
-        The same object where nothing changes.
+        `light` itself if nothing changes.
 
     Raises:
         InputError: a setting out of its range, of the light or of a soft box.
@@ -105,7 +106,7 @@ def edit_light(light: Environment, edit: LightEdit, draft: bool = False) -> Envi
         height = DRAFT_HEIGHT if draft else max(DRAWN_HEIGHT, light.height)
         radiance = _coloured(_beneath(light, edit.apart, height), edit)
         parts = [blur_light(radiance, edit.blur_deg) * np.float32(edit.base)]
-        # One that gives no light would still draw a coarse map finer.
+        # A box without light would add nothing, but make a coarse map be upsampled.
         if boxes := tuple(box for box in edit.boxes if box.intensity > 0 and not box.off):
             parts.append(_drawn(boxes, meter_reading(light), draft))
         level = light.level or 1.0
@@ -122,10 +123,10 @@ def _check_ranges(what: str, settings: LightEdit | SoftBox, ranges: dict[str, tu
 
 
 def taken_apart(edit: LightEdit, own: tuple[SoftBox, ...]) -> LightEdit:
-    """The same light with its own lamps as soft boxes before those that were added, and its room beneath them.
+    """The same light with its own lamps as soft boxes, listed before the added ones, over the room that remains.
 
-    What `edit.base` leaves of the light it leaves of each lamp. Saturation, warmth, tint and blur touch no soft box:
-    from now on they act on the room alone.
+    `edit.base` scales each lamp as it scaled the light. Saturation, warmth, tint and blur don't affect soft boxes, so
+    they now act on the room alone.
 
     Args:
         own: the lamps of the base (`own_lamps.own_lamps`).
@@ -135,16 +136,16 @@ def taken_apart(edit: LightEdit, own: tuple[SoftBox, ...]) -> LightEdit:
 
 
 def put_together(edit: LightEdit) -> LightEdit:
-    """The light as it was, with what was added; the reverse of `taken_apart`.
+    """The reverse of `taken_apart`: the light in one piece, with the boxes that were added to it.
 
-    Where nothing was added, all of it: a room that was dark beneath the lamps alone would be no light.
+    Without added boxes `base` becomes 1: if the room had been darkened to 0 beneath the lamps, nothing would be lit.
     """
     added = edit.added
     return replace(edit, boxes=added.boxes, base=added.base, apart=False)
 
 
 def _beneath(light: Environment, apart: bool, height: int) -> np.ndarray:
-    """(h, 2h, 3) of at most so many rows: the shape, or its room without its lamps; found once for all edits."""
+    """The light's shape or, if taken apart, its room, (h, 2h, 3) with at most `height` rows; cached for all edits."""
 
     def find(shape: np.ndarray) -> np.ndarray:
         room = room_of(light) if apart else None
@@ -155,7 +156,7 @@ def _beneath(light: Environment, apart: bool, height: int) -> np.ndarray:
 
 
 def _coloured(shape: np.ndarray, edit: LightEdit) -> np.ndarray:
-    """Saturation, warmth and tint at the mean luminance the shape had."""
+    """A map with saturation, warmth and tint applied; its mean luminance is kept."""
     if (edit.saturation, edit.warmth, edit.tint) == (1.0, 0.0, 0.0):
         return shape
     before = mean_luminance(shape)

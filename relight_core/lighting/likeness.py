@@ -1,4 +1,4 @@
-"""How alike two lights are: whether what one does to a face can be expected of the other."""
+"""Similarity of two lights: whether what one does to a face can be expected of the other."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ _LOBE = 4
 
 
 def likeness(first: torch.Tensor, second: torch.Tensor) -> float:
-    """What two lights share of all that either of them sends, [0, 1].
+    """The intersection of two lights over their union, [0, 1].
 
-    Both are smoothed by the lobe cos^4 first, half of which lies within 33 degrees, so that a small lamp that has been
-    turned a little is still much like itself.
+    Both are first brought to one level and smoothed by the lobe cos^4, half of which lies within 33 degrees, so that
+    a small lamp that has been rotated a little is still similar to itself.
 
     Args:
-        first, second: (1, H, 2H, 3), H even, linear radiance >= 0; their level doesn't count.
+        first, second: (1, H, 2H, 3), H even, linear radiance >= 0.
 
     Returns:
         1 for one light at two levels; 0 for lights that share neither direction nor colour, and for no light.
@@ -31,7 +31,7 @@ def likeness(first: torch.Tensor, second: torch.Tensor) -> float:
 
 
 def _spread(light: torch.Tensor, lobes: torch.Tensor, areas: torch.Tensor) -> torch.Tensor:
-    """(places, 3) in units of their mean over the sphere; 0 without light."""
+    """A light (1, H, 2H, 3), smoothed at some directions, (places, 3), over its mean on the sphere; 0 without light."""
     spread = lobes @ light[0].flatten(0, 1).cpu().float()
     mean = (spread * areas).sum() / (3 * areas.sum())
     return spread / mean.clamp_min(1e-12)
@@ -39,9 +39,9 @@ def _spread(light: torch.Tensor, lobes: torch.Tensor, areas: torch.Tensor) -> to
 
 @lru_cache(maxsize=2)
 def _lobes(height: int) -> tuple[torch.Tensor, torch.Tensor]:
-    """Smoothing (places, texels), whose rows sum to 1, and the places' solid angles (places, 1).
+    """Weights of the smoothing (places, texels), whose rows sum to 1, and the places' solid angles (places, 1).
 
-    The smoothed light is looked at in every other row and column: it has no finer detail.
+    The places are a map of half the size, since the smoothed light has no finer detail.
     """
     toward, places = (directions(rows, 2 * rows).reshape(-1, 3) for rows in (height, height // 2))
     lobes = np.maximum(places @ toward.T, 0) ** _LOBE * solid_angles(height, 2 * height).ravel()

@@ -1,7 +1,7 @@
-"""The lamps that a light has of its own, as soft boxes, and what is left of it without them.
+"""A light's own lamps as soft boxes, and the room: what remains of the light without them.
 
-Of a bundled light, which is drawn from lamps, these are known. In a panorama they are its small lamps, suns and bulbs:
-what stands out from its surroundings becomes a disc of the same irradiance, colour and spread.
+A bundled light is drawn from lamps, so they are known. In a panorama they are its small lamps, such as suns and bulbs:
+what exceeds its surroundings becomes a disc of the same irradiance, colour and second moment.
 """
 
 from __future__ import annotations
@@ -23,28 +23,29 @@ from relight_core.lighting.sphere import directions, solid_angles
 from relight_core.lighting.summary import meter_reading
 
 _MEASURED_HEIGHT = 256
+"""Rows of the panorama in which lamps are measured, at most."""
 
 _LEAST_SHARE = 0.02
-"""Of all the light, what a lamp of a panorama gives at least."""
+"""A lamp of a panorama gives at least this share of all the light."""
 
 _SIDES, _SIDES_OFF_DEG = 16, (AROUND_DEG + BEYOND_DEG) / 2
-"""Sides of a lamp that its surroundings are told apart on, and how far off its middle they are."""
+"""The ring around a lamp is averaged in so many sectors, whose mean angle from the lamp's centre is this."""
 
 _RIM_DEG = 3.0
-"""Over how much of its reach what a lamp gives fades into its surroundings, so that its glow shows no edge."""
+"""Over the last degrees before AROUND_DEG a lamp's light fades into its surroundings, so that no edge shows."""
 
 
 def own_lamps(light: Environment) -> tuple[SoftBox, ...]:
-    """The light's lamps; of a panorama those that give most first, at most 4. Empty where it has none.
+    """The light's own lamps; for a panorama at most 4, the strongest first. Empty if it has none.
 
-    Their intensities are multiples of the light's meter reading, as those of any soft box added to it.
+    Their intensities are multiples of the light's meter reading, like those of any soft box added to it.
     """
     find = _lamps_of_panorama if light.drawn is None else _lamps_of_rig
     return light.of_shape("own lamps", lambda shape: find(light))
 
 
 def room_of(light: Environment) -> np.ndarray | None:
-    """(H, 2H, 3) in the units of the light's shape: what is left without its lamps; None where it has none."""
+    """The light without its own lamps, (H, 2H, 3) in units of its shape; None if it has no lamps."""
     if not own_lamps(light):
         return None
     find = _room_of_panorama if light.drawn is None else _room_of_rig
@@ -63,9 +64,9 @@ def _room_of_rig(light: Environment) -> np.ndarray:
 
 
 def _as_box(lamp: AreaLight, unit: float) -> SoftBox:
-    """A rig's lamp as a box, of the same irradiance where an intensity of 1 stands for `unit`.
+    """A rig's lamp as a soft box of the same irradiance, given that an intensity of 1 stands for `unit`.
 
-    One that is smaller or larger than a soft box may be becomes the smallest or the largest.
+    Its size is clamped to that of soft boxes.
     """
     box = SoftBox(
         azimuth_deg=(lamp.azimuth_deg + 180.0) % 360.0 - 180.0,
@@ -83,7 +84,7 @@ def _as_box(lamp: AreaLight, unit: float) -> SoftBox:
 
 
 def _small_lamps(light: Environment) -> tuple[Lamp, ...]:
-    # What is hard only because a sun is near, such as a cloud's rim, would be a lamp that does next to nothing.
+    # A bright place beside a sun, such as a cloud's rim, may have hardness but give next to no light.
     return tuple(lamp for lamp in bright_places(light) if lamp.irradiance / 4 > _LEAST_SHARE)[:MOST_LAMPS]
 
 
@@ -102,7 +103,7 @@ def _room_of_panorama(light: Environment) -> np.ndarray:
 
 
 def _disc(name: str, lamp: Lamp, card: np.ndarray, unit: float) -> SoftBox:
-    """A disc as large as a lamp that gives a white `card` (3,) which faces it as much light."""
+    """A disc in a lamp's place and of its size, under which a white card that faces it has the radiance `card` (3,)."""
     luminance = float(card @ REC709_LUMINANCE)
     size = possible_size_deg(2 * lamp.radius_deg)
     colour = tuple(float(part) for part in card / max(luminance, 1e-12))
@@ -111,10 +112,10 @@ def _disc(name: str, lamp: Lamp, card: np.ndarray, unit: float) -> SoftBox:
 
 
 def _taken_out(shape: np.ndarray, lamps: Sequence[Lamp]) -> tuple[np.ndarray, list[np.ndarray]]:
-    """A panorama without its lamps, and what each of them gives a white card (3,) that faces it.
+    """A panorama without its lamps, and for each lamp the radiance (3,) of a white card that faces it.
 
-    Where a lamp stands out, what is left is no brighter than its surroundings. Of lamps that are close together each
-    has what is nearest to it, and none is part of another's surroundings.
+    A lamp is replaced by its surroundings, continued over it, where it is brighter than these. Lamps that are close
+    together divide the texels by distance, and none is part of another's surroundings.
     """
     toward, areas = directions(*shape.shape[:2]), solid_angles(*shape.shape[:2])
     ahead = np.stack([toward @ np.array(lamp.toward, np.float32) for lamp in lamps])
@@ -134,14 +135,21 @@ def _taken_out(shape: np.ndarray, lamps: Sequence[Lamp]) -> tuple[np.ndarray, li
 
 
 def _bearing(lamp: Lamp, toward: np.ndarray) -> np.ndarray:
-    """(n,) in which direction from a lamp others (n, 3) lie, in turns, [0, 1)."""
+    """The angle around a lamp at which other directions (n, 3) lie, in turns, (n,) in [0, 1)."""
     middle = np.array(lamp.toward)
     right = np.cross((0.0, 1.0, 0.0) if abs(middle[1]) < 0.9 else (1.0, 0.0, 0.0), middle)
     return np.arctan2(toward @ np.cross(middle, right), toward @ right) / (2 * np.pi) % 1.0
 
 
 def _sides(radiance: np.ndarray, areas: np.ndarray, bearing: np.ndarray) -> np.ndarray:
-    """(16, 3) radiance on each side of a lamp, of what lies around it, (n, 3) and (n,); black where that is nothing."""
+    """Mean radiance around a lamp by sector, (16, 3).
+
+    Args:
+        radiance, areas, bearing: (n, 3), (n,) and (n,) of the texels around it.
+
+    Returns:
+        Sectors without texels are interpolated from the others; without any texels all are black.
+    """
     sector = (bearing * _SIDES).astype(int) % _SIDES
     light = np.stack([np.bincount(sector, areas * part, _SIDES) for part in radiance.T], 1)
     area = np.bincount(sector, areas, _SIDES)
@@ -153,9 +161,9 @@ def _sides(radiance: np.ndarray, areas: np.ndarray, bearing: np.ndarray) -> np.n
 
 
 def _gone_on(sides: np.ndarray, bearing: np.ndarray, off_deg: np.ndarray) -> np.ndarray:
-    """(m, 3) what would be seen at bearings (m,) if a lamp's surroundings went on over it."""
+    """The surroundings of a lamp continued over it: (m, 3) radiance at bearings and angles from its centre (m,)."""
     places = np.arange(_SIDES)
     rim = np.stack([np.interp(bearing * _SIDES - 0.5, places, part, period=_SIDES) for part in sides.T], 1)
-    # A mean over a horizon would be a colour that neither side has.
+    # The median, since the mean of sky and ground would be a colour that neither has.
     middle = np.median(sides, axis=0)
     return (middle + off_deg[:, None] * (rim - middle) / _SIDES_OFF_DEG).astype(np.float32)

@@ -1,6 +1,6 @@
-"""Averages of lat-long panoramas, exact by solid angle: over fewer texels, over the sphere, over a turned map's texels.
+"""Averages of lat-long panoramas, weighted by solid angle: in larger texels, over the sphere, and after a rotation.
 
-A texel stands for constant radiance over its own patch of the sphere, which is what makes them exact.
+They are exact under the assumption that radiance is constant over each texel's patch of the sphere.
 """
 
 from __future__ import annotations
@@ -13,14 +13,16 @@ import numpy as np
 from relight_core.imaging.colour import REC709_LUMINANCE
 
 _BLOCK_ROWS = 64
+"""Rows that are converted to float64 at once, to save memory."""
 _BALANCINGS = 300
+"""Iterations in which the weights of `_spread_row_overlaps` converge."""
 
 
 def rotate(radiance: np.ndarray, yaw_deg: float) -> np.ndarray:
-    """Turn a panorama about +y; positive moves its content to the right.
+    """Rotate a panorama about +y; positive moves its content to the right.
 
-    A turn by part of a texel is the linear mix of the two whole-texel turns beside it: it keeps every
-    row's sum, and changes evenly with the angle. 360 degrees is the identity, bit for bit.
+    Between two whole texels the result is the linear mix of the two rotations by whole texels. So every row keeps
+    its sum, and the result changes evenly with the angle. 360 degrees is the identity, bit for bit.
 
     Args:
         radiance: (H, W, C) or (H, W).
@@ -47,9 +49,9 @@ def rotate(radiance: np.ndarray, yaw_deg: float) -> np.ndarray:
 def shrink(radiance: np.ndarray, height: int) -> np.ndarray:
     """Average a panorama over the texels of a smaller one, by exact solid angle.
 
-    Fractional overlaps count exactly (a band between two latitudes by its difference of cosines), so
-    the energy, the sum of radiance times solid angle, is kept for any ratio. A larger height works
-    too and repeats texels.
+    Texels that overlap in part count by the exact overlap (a band between two latitudes by its difference of
+    cosines). So the energy, the sum of radiance times solid angle, is kept for any ratio. A larger height repeats
+    texels.
 
     Args:
         radiance: (H, W, C) linear.
@@ -77,17 +79,24 @@ def mean_radiance(radiance: np.ndarray) -> np.ndarray:
 
 
 def row_shares(height: int) -> np.ndarray:
-    """How much of the sphere every row of a panorama is, (height,) float64; sums to 1."""
+    """The share of the sphere that each row of a panorama covers, (height,) float64 of sum 1."""
     return -np.diff(np.cos(np.pi * np.arange(height + 1) / height)) / 2
 
 
 def column_sums(radiance: np.ndarray, height: int) -> np.ndarray:
-    """(H, W, C) to (height, W + 1, C) float64: running sums of what `turned_means` averages."""
+    """(H, W, C) to (height, W + 1, C) float64: the part of `turned_means` that doesn't depend on the angle.
+
+    Rows are averaged, texels spread (see `environment.network_light`), and then summed up along each row.
+    """
     return _running_sums(_spread(_evenly_shrunk_rows(radiance, height), 2 * height))
 
 
 def turned_means(sums: np.ndarray, yaw_deg: float) -> np.ndarray:
-    """(h, 2 h, C) float64 means over the texels of a map turned as by `rotate`, of its `column_sums` (h, W + 1, C).
+    """Means over the texels of a smaller map after a rotation as by `rotate`, (h, 2 h, C) float64.
+
+    Args:
+        sums: (h, W + 1, C), the panorama's `column_sums`.
+        yaw_deg: any finite angle in degrees.
 
     Raises:
         ValueError: the angle is NaN or infinite.
@@ -98,17 +107,17 @@ def turned_means(sums: np.ndarray, yaw_deg: float) -> np.ndarray:
 
 
 def _turn_fraction(yaw_deg: float) -> float:
-    """The angle as a fraction of a turn in [0, 1)."""
+    """The angle as a fraction of a full turn, in [0, 1)."""
     if not math.isfinite(yaw_deg):
         raise ValueError(f"yaw_deg must be a finite angle in degrees, not {yaw_deg}")
     return (float(yaw_deg) % 360.0) / 360.0 % 1.0
 
 
 def _overlap_weights(edges: np.ndarray, new_edges: np.ndarray) -> np.ndarray:
-    """How much of every new interval each old one covers; edges ascend and share their ends.
+    """The share of each new interval that each old one covers, (new, old) float64; rows sum to 1.
 
-    Returns:
-        (new, old) float64, rows sum to 1.
+    Args:
+        edges, new_edges: ascending, with the same first and last one.
     """
     low = np.maximum(edges[None, :-1], new_edges[:-1, None])
     high = np.minimum(edges[None, 1:], new_edges[1:, None])
@@ -130,7 +139,7 @@ def _column_overlaps(width: int, new_width: int) -> np.ndarray:
 
 
 def _shrink_rows(radiance: np.ndarray, height: int, columns: int = 1) -> np.ndarray:
-    """(H, W, C) to (height, W / columns, C) float64; a few rows at a time, since a map may fill gigabytes.
+    """(H, W, C) to (height, W / columns, C) float64.
 
     Args:
         columns: how many are averaged into one; divides W.
@@ -139,7 +148,7 @@ def _shrink_rows(radiance: np.ndarray, height: int, columns: int = 1) -> np.ndar
 
 
 def _block_sums(radiance: np.ndarray, overlaps: np.ndarray, columns: int = 1) -> np.ndarray:
-    """Rows (H, W, C) weighted by `overlaps` (height, H), a few at a time."""
+    """Rows (H, W, C) weighted by `overlaps` (height, H), a few at a time, since a map may fill gigabytes."""
     (height, old_height), (_, width, channels) = overlaps.shape, radiance.shape
     width //= columns
     result = np.zeros((height, width * channels))
@@ -152,7 +161,7 @@ def _block_sums(radiance: np.ndarray, overlaps: np.ndarray, columns: int = 1) ->
 
 
 def _evenly_shrunk_rows(radiance: np.ndarray, height: int) -> np.ndarray:
-    """(H, W, C) to (height, W, C) float64, every row spread to the height of a new one where that is higher."""
+    """(H, W, C) to (height, W, C) float64; rows that are lower than a new one are first spread to its height."""
     if radiance.shape[0] <= height:
         return _shrink_rows(radiance, height)
     return _block_sums(radiance, _spread_row_overlaps(radiance.shape[0], height))
@@ -160,9 +169,9 @@ def _evenly_shrunk_rows(radiance: np.ndarray, height: int) -> np.ndarray:
 
 @lru_cache(maxsize=16)
 def _spread_row_overlaps(height: int, new_height: int) -> np.ndarray:
-    """As `_row_overlaps`, of rows spread to the height of a new one and folded back at the poles.
+    """As `_row_overlaps`, with old rows that are spread to the height of a new one and reflected at the poles.
 
-    Weights are balanced until even light stays even and no row loses energy (Sinkhorn and Knopp, 1967).
+    The weights are balanced until even light stays even and no row loses energy (Sinkhorn and Knopp, 1967).
     """
     edges, half = np.linspace(0.0, np.pi, new_height + 1), np.pi / new_height / 2
     middles = (np.arange(height) + 0.5) * np.pi / height
@@ -177,7 +186,7 @@ def _spread_row_overlaps(height: int, new_height: int) -> np.ndarray:
 
 
 def _spread(rows: np.ndarray, new_width: int) -> np.ndarray:
-    """Every texel of (H, W, C) spread along its row to the width of one of `new_width`, where that is wider."""
+    """Every texel of (H, W, C) spread along its row to the width of a texel of `new_width`, if that is wider."""
     span = rows.shape[1] / new_width
     if span <= 1:
         return rows
@@ -191,7 +200,7 @@ def _running_sums(rows: np.ndarray) -> np.ndarray:
 
 
 def _sum_up_to(sums: np.ndarray, positions: np.ndarray) -> np.ndarray:
-    """Integral over columns from 0 to each position, of a function constant in texels and periodic.
+    """Integral along each row from 0 to each position; the function is constant in a texel, and periodic.
 
     Args:
         sums: (H, W + 1, C) running sums, starting with 0.

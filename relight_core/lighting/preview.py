@@ -1,4 +1,4 @@
-"""A light made visible on a ball: half matte card, half varnish."""
+"""A preview of a light: a matte ball with a glossy varnish."""
 
 from __future__ import annotations
 
@@ -9,35 +9,35 @@ from relight_core.lighting.environment import Environment, network_light
 from relight_core.lighting.sphere import directions, solid_angles
 
 _LIGHT_HEIGHT = 32
-"""Rows of the light that the ball is drawn in."""
+"""Rows of the light under which a still ball is drawn."""
 _TABLE_HEIGHT = 24
-"""Rows of the tables for a ball that turns."""
+"""Rows of the tables for a ball under a rotating light."""
 _ALBEDO = 0.7
 _REFLECTANCE = 0.05
 """Of the varnish at normal incidence (Schlick 1994)."""
 _LOBE_DOUBLINGS = 7
-"""The gloss lobe is cos ** 128, by repeated squaring."""
+"""The exponent of the gloss lobe is doubled so often by squaring: cos ** 128."""
 _TABLE_DOUBLINGS = 6
-"""That of the tables is wider, since their light has 16 rows only."""
+"""The tables have a wider lobe, since their light has only 16 rows."""
 _BRIGHT = 0.85
 """Luminance to which a ball is exposed."""
 _DARK_LEVEL = 1e-12
-"""A light that is no brighter is none."""
+"""Luminance up to which a ball counts as unlit and stays black."""
 _BLOCK = 2048
-"""Pixels that are shaded at once, for the memory."""
+"""Pixels that are shaded at once, to save memory."""
 
 
 def lit_ball(environment: Environment, size: int) -> np.ndarray:
-    """A glossy ball under a light, exposed so that its bright parts come out bright.
+    """A glossy ball under a light, exposed for its bright parts whatever the light's level.
 
-    The level of the light plays no part: the 98th percentile of luminance becomes 0.85.
+    The 98th percentile of its luminance becomes 0.85.
 
     Args:
         environment: the light.
         size: pixels along a side, at least 1.
 
     Returns:
-        (size, size, 4) float32: linear Rec.709 radiance, and the ball's coverage in [0, 1].
+        (size, size, 4) float32: linear Rec.709 radiance, and the ball's alpha in [0, 1].
     """
     coverage, normals = _ball(size)
     light = network_light(environment, height=_LIGHT_HEIGHT)
@@ -50,14 +50,14 @@ def lit_ball(environment: Environment, size: int) -> np.ndarray:
 
 
 def ball_tables(environment: Environment) -> tuple[np.ndarray, np.ndarray]:
-    """What a ball that turns under a light needs: look them up by a direction turned against the light's yaw.
+    """Tables for drawing a ball under a rotating light; look them up by directions rotated back by the light's yaw.
 
-    Exposed so that the matte card facing the light has a luminance of 0.85, wherever the light is: a light
+    The exposure doesn't depend on the yaw: a matte surface that faces the light has a luminance of 0.85, so a light
     behind the ball leaves it dark.
 
     Returns:
-        Two (24, 48, 3) float32 lat-long tables for yaw 0: the matte card's radiance over its
-        normal, and the light over the mirrored direction, blurred by the varnish (fresnel not applied).
+        Two (24, 48, 3) float32 lat-long tables for yaw 0: radiance of the matte surface by its normal, and the light,
+        blurred by the varnish's lobe, by the mirrored direction (without Fresnel).
     """
     toward, power_and_area = _flat(network_light(environment))
     at = directions(_TABLE_HEIGHT, 2 * _TABLE_HEIGHT).reshape(-1, 3)
@@ -70,7 +70,7 @@ def ball_tables(environment: Environment) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _flat(light: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Directions (N, 3) of a light's texels, and power and solid angle (N, 4) in each."""
+    """Directions (N, 3) of a light's texels, and for each its rgb power and its solid angle (N, 4)."""
     height, width = light.shape[:2]
     areas = solid_angles(height, width).reshape(-1, 1)
     power_and_area = np.concatenate([light.reshape(-1, 3) * areas, areas], axis=1)
@@ -90,7 +90,7 @@ def _ball(size: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _shade(normals: np.ndarray, light: np.ndarray) -> np.ndarray:
-    """Radiance (N, 3) toward the camera of a matte surface under a gloss coat, all of the light in view."""
+    """Radiance (N, 3) toward the camera of a matte surface under a varnish, without occlusion."""
     toward, power_and_area = _flat(light)
     blocks = np.split(normals, range(_BLOCK, len(normals), _BLOCK))
     return np.concatenate([_shade_block(block, toward, power_and_area) for block in blocks])
@@ -107,7 +107,7 @@ def _matte(normals: np.ndarray, toward: np.ndarray, power_and_area: np.ndarray) 
 
 
 def _gloss(mirrored: np.ndarray, toward: np.ndarray, power_and_area: np.ndarray, doublings: int) -> np.ndarray:
-    """The light about a direction, averaged over a lobe of cos ** (2 ** doublings)."""
+    """The light around each direction (N, 3), averaged over a lobe of cos ** (2 ** doublings)."""
     lobe = np.maximum(mirrored @ toward.T, 0)
     for _ in range(doublings):
         np.square(lobe, out=lobe)

@@ -1,8 +1,8 @@
-"""How a surface answers a light: Lambert and the GGX lobe, and both as tables over the normal.
+"""How a surface reflects a light: Lambert and the GGX lobe, and both as tables over the normal.
 
-Seen from a distant camera the outgoing direction is +z everywhere, so what an unoccluded surface
-reflects under a given light depends on its normal alone. A small table over the normals, made once per
-light, then gives irradiance and gloss for every pixel by one lookup.
+With a distant camera the outgoing direction is +z everywhere, so what an unoccluded surface reflects under a given
+light depends on its normal alone. A small table over the normals, made once per light, gives irradiance and gloss of
+every pixel by one look-up.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from relight_core.lighting.sphere import directions, solid_angles
 
 TABLE_SIZE = 64
 _TABLE_EXTENT = 1.15
+"""The table's axes reach from minus this to this; the silhouette, n_z = 0, is at a radius of 1."""
 
 
 @dataclass(frozen=True)
@@ -101,14 +102,15 @@ class ReflectionTable(torch.nn.Module):
 
 
 class NormalLookup:
-    """Normals made ready for many lights: of every light's table, only the cells that they read are filled in."""
+    """Look-ups at the same normals under many lights: of each light's table only the cells they read are computed."""
 
     def __init__(self, table: ReflectionTable, normal: torch.Tensor, *, gloss: bool = True):
-        """Find the cells.
+        """Find the cells that the normals read.
 
         Args:
+            table: whose `transport` is used.
             normal: (1, 3, H, W) unit vectors.
-            gloss: False looks up the irradiance alone.
+            gloss: if False, only the irradiance is looked up.
         """
         self._position = table_position(normal.float())
         self._cells = _cells_read(self._position)
@@ -118,7 +120,7 @@ class NormalLookup:
         self._parts = parts
 
     def __call__(self, light: torch.Tensor) -> torch.Tensor:
-        """Irradiance rgb and gloss rgb as `ReflectionTable` has them under a light (1, h, 2h, 3): (1, 6, H, W)."""
+        """As `ReflectionTable.forward` under a light (1, 16, 32, 3): (1, 6, H, W), or (1, 3, H, W) without gloss."""
         with torch.autocast(light.device.type, enabled=False):
             read = response_to(light.float().reshape(-1, 3).T, self._transport)
         table = read.new_zeros(self._parts, 3, TABLE_SIZE**2)
@@ -131,7 +133,7 @@ def _cells_read(position: torch.Tensor) -> torch.Tensor:
     """Indices of the table's cells that bilinear lookups at positions (1, H, W, 2) touch."""
     place = ((position.reshape(-1, 2) + 1) / 2 * (TABLE_SIZE - 1)).clamp(0, TABLE_SIZE - 1)
     first = place.floor().long()
-    # One cell to spare on each side, since grid_sample rounds by itself.
+    # One more cell on each side, since grid_sample may round differently.
     touched = torch.zeros(TABLE_SIZE, TABLE_SIZE, dtype=torch.bool, device=position.device)
     for down in range(-1, 3):
         for right in range(-1, 3):
@@ -141,12 +143,13 @@ def _cells_read(position: torch.Tensor) -> torch.Tensor:
 
 
 def table_position(normal: torch.Tensor) -> torch.Tensor:
-    """Where unit normals (B, 3, H, W) lie in the table, as grid_sample wants it: (B, H, W, 2) in [-1, 1]."""
+    """Where unit normals (B, 3, H, W) lie in the table, in grid_sample's coordinates: (B, H, W, 2) in [-1, 1]."""
     scale = (1 + normal[:, 2:3]).clamp_min(0.1).rsqrt() / _TABLE_EXTENT
     return (normal[:, :2] * scale).permute(0, 2, 3, 1)
 
 
 def _table_normals(size: int) -> torch.Tensor:
+    """The unit normals (size * size, 3) of the table's cells, the inverse of `table_position`."""
     axis = torch.linspace(-_TABLE_EXTENT, _TABLE_EXTENT, size)
     b, a = torch.meshgrid(axis, axis, indexing="ij")
     radius2 = (a.square() + b.square()).clamp_max(2)

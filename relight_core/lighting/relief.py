@@ -1,9 +1,9 @@
-"""Cast shadow from geometry: which part of the light a relief lets through to each of its points.
+"""Cast shadows from geometry: which part of a light a relief lets through to each of its points.
 
-The relief that de-lighting predicts is a height field seen from the camera. Its horizons, marched once in
-every direction of the image plane (horizon mapping: Max 1988), give each pixel's response to every texel of
-a light; from then on the shadow under any light is a matrix product. What the camera does not see casts no
-shadow here, and what it sees has no back: the SS network corrects both.
+The relief that de-lighting predicts is a height field seen from the camera. Its horizons are marched once, in many
+directions of the image plane (horizon mapping: Max 1988). They give each point's response to every texel of a light,
+so that the shadow under any light is a matrix product. What the camera doesn't see casts no shadow here, and what it
+does see is taken to extend back without end; the SS network corrects both.
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ from relight_core.lighting.reflection import network_texels, specular_lobe
 from relight_core.lighting.response import response_to
 
 _AZIMUTHS = 48
-"""Directions of the image plane in which horizons are marched."""
+"""Directions of the image plane, evenly spaced, in which horizons are marched."""
 _STEPS = 20
-"""Steps of a march."""
+"""Samples along each march."""
 _PENUMBRA = 0.15
-"""Radians of elevation, about the horizon, over which a texel of 11 degrees goes from hidden to visible."""
+"""Radians of elevation, centred on the horizon, over which a texel of 11 degrees goes from hidden to visible."""
 _GRAZING, _FAINT_GLOSS = 0.05, 0.005
-"""Irradiance over pi, and gloss, in a light of mean luminance 1, below which a lost fraction fades to 0."""
+"""Irradiance over pi, and gloss, under a light of mean luminance 1, below which the lost fraction fades to 0."""
 REACH = 1.3
-"""Half-widths of the image: as far as one head casts a shadow on itself."""
+"""Length of a march in half-widths of the image: as far as a head casts a shadow on itself."""
 
 BIAS = 0.002
-"""Half-widths of the image by which something has to stand out to hide anything: a lattice's own steps don't."""
+"""Half-widths of the image by which something must stand out to hide anything, so that pixels' own steps don't."""
 
 NOTHING = -1e3
-"""The height, in half-widths of the image, of what casts no shadow."""
+"""The height, in half-widths of the image, where nothing casts a shadow."""
 
 
 @dataclass(frozen=True)
@@ -45,8 +45,8 @@ class ReliefTransport:
     Attributes:
         unshadowed: (S * S, texels) cos(n, l) times solid angle over pi; 0 beside the surface.
         shadowed: the same times the visibility of the texel, [0, 1].
-        size: S.
-        normal: (S * S, 3) unit vectors, which `gloss_fraction` alone reads; None where that is not asked for.
+        size: S, pixels along a side of the relief.
+        normal: (S * S, 3) unit vectors, which only `gloss_fraction` needs; None if that is never called.
     """
 
     unshadowed: torch.Tensor
@@ -57,8 +57,8 @@ class ReliefTransport:
     def shadow_fraction(self, light: torch.Tensor) -> torch.Tensor:
         """Fraction of the unoccluded grey irradiance that is lost: (B, 1, S, S) in [0, 1].
 
-        It fades to 0 where the light only grazes the surface, which loses nothing worth the name there: the
-        fraction of next to nothing would flip between 0 and 1 while a lamp sets.
+        It fades to 0 where the light only grazes the surface. There is next to nothing to lose there, and the fraction
+        of it would flip between 0 and 1 while a lamp sets.
 
         Args:
             light: (B, H, 2H, 3) normalised radiance of the texels the transport was made for.
@@ -68,8 +68,8 @@ class ReliefTransport:
     def gloss_fraction(self, light: torch.Tensor) -> torch.Tensor:
         """Fraction of the unoccluded grey gloss that is lost: (B, 1, S, S) in [0, 1].
 
-        Of a lamp behind the head, which would only graze the side of a nose, that is hidden from it, the share of the
-        irradiance is small and that of the gloss large.
+        It differs from `shadow_fraction`: if a lamp behind the head, which would only graze the side of a nose, is
+        hidden from it, that takes a small share of the irradiance there and a large one of the gloss.
 
         Args:
             light: as of `shadow_fraction`.
@@ -77,7 +77,11 @@ class ReliefTransport:
         return self._lost(light, self._shine_at_surface, _FAINT_GLOSS)
 
     def _lost(self, light: torch.Tensor, at_surface: tuple[torch.Tensor, torch.Tensor], least: float) -> torch.Tensor:
-        """Fraction that is lost of what `at_surface` gives, fading to 0 where that is less than `least`."""
+        """Fraction that occlusion takes of a quantity, fading to 0 where the quantity is less than `least`.
+
+        Args:
+            at_surface: its transport, from `_at_surface` or `_shine_at_surface`.
+        """
         light = light.float()
         grey = light @ luminance_weights(light)
         points, both = at_surface
@@ -88,16 +92,17 @@ class ReliefTransport:
         return fraction.reshape(-1, 1, self.size, self.size)
 
     def visibility(self, grey: torch.Tensor, size: int) -> torch.Tensor:
-        """Share of each light's irradiance that reaches a point, (B, 1, size, size) in [0, 1]; 1 where it has none.
+        """Share of each light's irradiance that reaches each point, (B, 1, size, size) in [0, 1]; 1 if it gives none.
 
         Args:
             grey: (B, H, 2H) radiance of the texels the transport was made for.
+            size: pixels along a side of the result.
         """
         points, both = self._at_surface
         field = torch.zeros(len(grey), 2, len(self.unshadowed))
         for answer, light in zip(field, grey.float().flatten(1), strict=True):
             answer[:, points] = response_to(light[None], both)[0].unflatten(0, (2, -1))
-        # Enlarged before they are divided: else what faces away would leak into the edge of what does not.
+        # Upsampled before the division. Otherwise points that face away would leak into the edge of those that don't.
         field = field.unflatten(2, (self.size, self.size))
         unshadowed, shadowed = F.interpolate(field, size=size, mode="bilinear", align_corners=False).chunk(2, 1)
         return torch.where(unshadowed > 1e-6, shadowed / unshadowed.clamp_min(1e-6), 1.0)
@@ -106,14 +111,14 @@ class ReliefTransport:
     def _at_surface(self) -> tuple[torch.Tensor, torch.Tensor]:
         """Indices (P,) of the points with a surface, and their `unshadowed` and `shadowed` side by side, (texels, 2 P).
 
-        A row for each texel, so that what a few lit texels give is read from a few rows (see `response_to`).
+        One row for each texel, so that a light with few lit texels reads few rows (see `response_to`).
         """
         points = self.unshadowed.any(dim=1).nonzero()[:, 0]
         return points, torch.cat([self.unshadowed[points], self.shadowed[points]]).T.contiguous()
 
     @cached_property
     def _shine_at_surface(self) -> tuple[torch.Tensor, torch.Tensor]:
-        """As `_at_surface`, of the gloss that skin has instead of its diffuse response."""
+        """As `_at_surface`, for the gloss of skin instead of irradiance."""
         points = self.unshadowed.any(dim=1).nonzero()[:, 0]
         toward, weight = (part.to(self.unshadowed.device) for part in network_texels())
         shine = specular_lobe(toward, self.normal[points]).T * weight
@@ -122,13 +127,13 @@ class ReliefTransport:
 
 
 def march_relief(relief: torch.Tensor, normal: torch.Tensor, covered: torch.Tensor) -> ReliefTransport:
-    """`march_reliefs` of one surface, without the leading axis."""
+    """`march_reliefs` for one surface, without the leading axis."""
     return march_reliefs(relief[None], normal[None], covered[None])[0]
 
 
 @torch.no_grad()
 def march_reliefs(relief: torch.Tensor, normal: torch.Tensor, covered: torch.Tensor) -> list[ReliefTransport]:
-    """March reliefs once in every direction of the image plane, and compare each light with the horizon.
+    """March the horizons of reliefs in all directions of the image plane, and compare each texel with its horizon.
 
     Args:
         relief: (B, S, S) height toward the camera, in half-widths of the image.
@@ -142,7 +147,13 @@ def march_reliefs(relief: torch.Tensor, normal: torch.Tensor, covered: torch.Ten
 
 
 def _transport(horizon: torch.Tensor, normal: torch.Tensor, covered: torch.Tensor) -> ReliefTransport:
-    """Of one surface with horizons (azimuths, S, S), in radians."""
+    """The transport of one surface.
+
+    Args:
+        horizon: (azimuths, S, S) elevations in radians.
+        normal: (3, S, S).
+        covered: (S, S).
+    """
     size = horizon.shape[-1]
     toward, weight = (part.to(horizon.device) for part in network_texels())
     normal = normal.float().flatten(1).T.contiguous()
@@ -161,9 +172,9 @@ def _transport(horizon: torch.Tensor, normal: torch.Tensor, covered: torch.Tenso
 
 
 def _march_distances(size: int, steps: int) -> list[float]:
-    """How far from a point its horizon is looked for, in half-widths of an image of `size` pixels.
+    """Distances from a point at which its horizon is sampled, in half-widths of an image of `size` pixels.
 
-    From about the next pixel on, ever further apart: what is near hides light by small steps.
+    They begin at about the next pixel and grow further apart, since near a point even small steps hide light.
     """
     return [2.0 / size + REACH * (step / steps) ** 1.8 for step in range(1, steps + 1)]
 
@@ -171,12 +182,12 @@ def _march_distances(size: int, steps: int) -> list[float]:
 def horizon_slopes(relief: torch.Tensor, covered: torch.Tensor, azimuth_rad: torch.Tensor) -> torch.Tensor:
     """Slope over the image plane up to which each point's sky is hidden, (azimuths, B, S, S); differentiable.
 
-    Azimuth 0 is +x, a quarter of a turn later +y. A relief has no back: it hides all that is behind it.
+    Azimuth 0 is +x, pi / 2 is +y. A relief extends back without end: it hides everything behind it.
 
     Args:
         relief: (B, S, S) height toward the camera, in half-widths of the image.
         covered: (B, S, S) in [0, 1]: where there is a surface; elsewhere nothing casts a shadow.
-        azimuth_rad: (azimuths,) where to look from every point.
+        azimuth_rad: (azimuths,) directions in which to look from every point.
     """
     size = relief.shape[-1]
     height = torch.where(covered > 0.5, relief, torch.full_like(relief, NOTHING))

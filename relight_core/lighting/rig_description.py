@@ -1,4 +1,4 @@
-"""A light rig in words: area lights over a room or a sky, read from TOML.
+"""Descriptions of light rigs: area lights in a room or under a sky, read from TOML.
 
     title = "Rembrandt"
     description = "One softbox, high and to the side."
@@ -7,38 +7,38 @@
     [room]                             # or [sky]
     kelvin = 5600                      # or colour = [r, g, b], linear
     intensity = 0.04
-    gradient = 0.3                     # ceiling brighter than floor: radiance goes as 1 + gradient * height
+    gradient = 0.3                     # a brighter ceiling: radiance is proportional to 1 + gradient * height
 
     [sky]                              # instead of a room; colours are linear
     zenith = [0.16, 0.27, 0.50]
     horizon = [0.80, 0.48, 0.28]
     ground = [0.13, 0.09, 0.06]
     intensity = 0.56
-    haze = 0.5                         # from horizon to zenith the colour goes with height ** haze
+    haze = 0.5                         # from horizon to zenith colours are mixed by height ** haze
 
-    [sky.glow]                         # what is bright around a sun; may be left out
+    [sky.glow]                         # the bright haze around a sun; optional
     azimuth_deg = 62
     elevation_deg = 8
-    width_deg = 46                     # at half its radiance
+    width_deg = 46                     # full width at half its radiance
     kelvin = 2700                      # or colour
     intensity = 1.34                   # times the sky's
 
     [[area_light]]
     name = "key"
     form = "rectangle"                 # or "disc"
-    azimuth_deg = 45                   # 0 from the camera onto the face, positive from the image's right
+    azimuth_deg = 45                   # 0 from the camera's side, positive from the right of the image
     elevation_deg = 40                 # positive from above
     width_deg = 24
-    height_deg = 24                    # a disc has its width only
-    hole_deg = 0                       # a disc's dark middle: a ring light
+    height_deg = 24                    # not for a disc, which has only its width
+    hole_deg = 0                       # width of a disc's dark middle, for a ring light
     softness = 0.4                     # share of the half width over which the edge fades
     kelvin = 5000                      # or colour
     intensity = 1.0
-    backdrop = false                   # true: a part of the room, not a lamp that one would move
+    backdrop = false                   # true: part of the room, such as a lit wall, not a lamp that one would move
 
-Intensities are what an incident-light meter reads: the radiance of a white matte card that faces the
-lamp alone, or that hangs in the room or under the sky's colours everywhere. So the ratio of a key
-to a fill is the ratio of their intensities.
+Intensities are what an incident-light meter reads: the radiance of a white matte card that faces only this lamp, or
+that is surrounded on all sides by the room or by one of the sky's colours. So the ratio of a key to a fill is the
+ratio of their intensities.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ from relight_core.lighting.colour_temperature import COOLEST_KELVIN, HOTTEST_KEL
 Colour = tuple[float, float, float]
 
 FORMS = ("rectangle", "disc")
-"""What a lamp can look like."""
+"""Shapes of a lamp."""
 
 _RANGES = {
     "azimuth_deg": (-360.0, 360.0),
@@ -73,7 +73,7 @@ _RANGES = {
 
 _MOST_COLOUR = 1e4
 WIDEST_HOLE = 0.9
-"""Of a disc's width, for rigs and soft boxes alike: a thinner ring could fall between all texels."""
+"""As a share of a disc's width, for rigs and soft boxes alike: a thinner ring could fall between all texels."""
 
 
 @dataclass(frozen=True)
@@ -81,8 +81,9 @@ class AreaLight:
     """A lamp with edges; angles as seen from the face, colour linear Rec.709 (times intensity).
 
     Attributes:
-        backdrop: it is a part of the room, such as a lit wall, and stays when the lamps are taken out.
-        kelvin: its colour temperature, where that alone tells its colour to a soft box: where 5600 is white.
+        backdrop: it is part of the room, such as a lit wall, and stays when the lamps are removed.
+        kelvin: its colour temperature, if a soft box of that temperature has its colour: it was given in kelvin, and
+            the rig's white is that of soft boxes, 5600. Otherwise None.
     """
 
     azimuth_deg: float
@@ -101,7 +102,7 @@ class AreaLight:
 
 @dataclass(frozen=True)
 class Room:
-    """Light from all around; radiance goes as 1 + gradient * height, height in [-1, 1]."""
+    """Light from all directions; its radiance is proportional to 1 + gradient * height, with height in [-1, 1]."""
 
     colour: Colour
     intensity: float
@@ -110,7 +111,7 @@ class Room:
 
 @dataclass(frozen=True)
 class Glow:
-    """The bright haze around the sun; a Gaussian of that full width at half maximum."""
+    """The bright haze around a sun: a Gaussian with a full width at half maximum of `width_deg`."""
 
     azimuth_deg: float
     elevation_deg: float
@@ -121,7 +122,7 @@ class Glow:
 
 @dataclass(frozen=True)
 class Sky:
-    """Sky over ground. From horizon to zenith the colour goes with height ** haze."""
+    """Sky over ground. From horizon to zenith the colours are mixed by height ** haze."""
 
     zenith: Colour
     horizon: Colour

@@ -12,16 +12,18 @@ from relight_core.lighting.rig_description import AreaLight, Glow, Rig, Room, Sk
 from relight_core.lighting.sphere import directions, solid_angles
 
 _DRAWN_HEIGHT = 512
+"""Rows that a rig is drawn with at least, before it is averaged."""
 _HORIZON_BLUR = 0.03
+"""Height, as the sine of elevation, over which ground fades into sky."""
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """What a light was drawn from.
+    """The rig that a light was rendered from.
 
     Attributes:
         rig: its description.
-        level: radiance, in the rig's units, that 1 in the light's shape stands for.
+        level: radiance in the rig's units that corresponds to 1 in the light's shape.
     """
 
     rig: Rig
@@ -29,7 +31,7 @@ class Drawn:
 
 
 def render_rig(rig: Rig, height: int = 64) -> np.ndarray:
-    """Draw a rig at several times the resolution and average it, so that edges come out smooth.
+    """Draw a rig, antialiased: at several times the resolution and then averaged.
 
     Args:
         rig: what to draw.
@@ -78,7 +80,7 @@ def area_light_radiance(light: AreaLight, toward: np.ndarray, areas: np.ndarray)
 
 
 def _rectangle_cover(light: AreaLight, toward: np.ndarray, ahead: np.ndarray) -> np.ndarray:
-    """How much of each direction a flat rectangle that faces the subject covers, [0, 1]."""
+    """Coverage (H, W) in [0, 1] of each direction by a flat rectangle that faces the subject."""
     azimuth = np.radians(light.azimuth_deg)
     right = np.array([np.cos(azimuth), 0.0, -np.sin(azimuth)], np.float32)
     up = np.cross(direction_of(light.azimuth_deg, light.elevation_deg), right)
@@ -90,7 +92,7 @@ def _rectangle_cover(light: AreaLight, toward: np.ndarray, ahead: np.ndarray) ->
 
 
 def _disc_cover(light: AreaLight, ahead: np.ndarray) -> np.ndarray:
-    """How much of each direction a disc or ring that faces the subject covers, [0, 1]."""
+    """Coverage (H, W) in [0, 1] of each direction by a disc or ring that faces the subject."""
     from_centre = np.degrees(np.arccos(np.clip(ahead, -1.0, 1.0)))
     texel_deg = 180.0 / ahead.shape[0]
     outer, inner = light.width_deg / 2, light.hole_deg / 2
@@ -100,7 +102,7 @@ def _disc_cover(light: AreaLight, ahead: np.ndarray) -> np.ndarray:
 
 
 def _inside(distance: np.ndarray, edge: float, fade: float) -> np.ndarray:
-    """1 well inside an edge, 0 beyond it, a smooth step centred on it."""
+    """1 inside an edge and 0 outside, with a smooth step of width `fade` centred on it."""
     return smooth_ramp((edge - distance) / fade, -0.5, 0.5)
 
 

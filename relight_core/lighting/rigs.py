@@ -1,4 +1,4 @@
-"""The bundled light rigs, each a TOML file in resources/rigs that is drawn when first asked for."""
+"""The bundled light rigs, each a TOML file in resources/rigs that is drawn when it is first needed."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def rig_names() -> list[str]:
 
 
 def read_bundled_rig(name: str) -> Rig:
-    """The description of a bundled rig: title, words, lamps.
+    """The description of a bundled rig.
 
     Raises:
         InputError: no rig of that name.

@@ -1,4 +1,4 @@
-"""A light as it is seen by a camera that is turned about its own axis."""
+"""A light in the camera space of a camera that is rolled about its viewing axis."""
 
 from __future__ import annotations
 
@@ -10,21 +10,22 @@ from relight_core.lighting.panorama import mean_luminance, shrink
 from relight_core.lighting.sphere import directions, place_on_map
 
 _FINER = 4
+"""The rolled map is sampled with so many times the result's rows and columns and then averaged."""
 
 
 def roll_light(radiance: np.ndarray, roll_deg: float, height: int | None = None) -> np.ndarray:
-    """What a panorama becomes in the view of a camera that is turned counterclockwise as it looks.
+    """A panorama in the camera space of a camera that is rolled counterclockwise, seen in viewing direction.
 
-    A lamp above the upright camera moves to the right of the turned one. The mean luminance stays.
+    A lamp above the upright camera moves to the right of the rolled one. The mean luminance is kept.
 
     Args:
         radiance: (H, 2H, 3) linear.
-        roll_deg: of the camera; the roll of a crop.
-        height: rows of the result; those of the panorama for None. Turned at its own size and shrunk before, a
-            small lamp would be blurred twice.
+        roll_deg: of the camera, as a crop has it.
+        height: rows of the result; None keeps those of the panorama. Rolling and shrinking in one step blurs small
+            lamps once; shrinking before would blur them twice.
 
     Returns:
-        (height, 2 * height, 3) float32; for a roll of 0 the panorama shrunk, or itself where it has that height.
+        (height, 2 * height, 3) float32; for a roll of 0 the panorama shrunk, or itself if it has that height.
     """
     rows = radiance.shape[0]
     height = height or rows
@@ -37,7 +38,7 @@ def roll_light(radiance: np.ndarray, roll_deg: float, height: int | None = None)
 
 @lru_cache(maxsize=16)
 def _texels(rows: int, height: int, roll_deg: float) -> tuple[np.ndarray, np.ndarray]:
-    """Row and column of the panorama's texel that each texel of the turned one shows; both (height, 2 * height)."""
+    """Row and column of the panorama's texel that each texel of the rolled map shows, both (height, 2 * height)."""
     x, y, z = np.moveaxis(directions(height, 2 * height).astype(np.float64), -1, 0)
     angle = np.radians(roll_deg)
     across, up = np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y

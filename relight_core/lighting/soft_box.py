@@ -1,7 +1,7 @@
-"""A lamp the user puts into a light: where it is on the sphere, what of it the mouse touches, what it radiates.
+"""Soft boxes, the lamps that a user adds to a light: their place on the sphere, outline, hit testing and radiance.
 
 Angles are those of the rigs: azimuth 0 is the camera's side of the face, positive azimuth the right of the image,
-positive elevation above. They are in the light's own frame, so that a turn of the light moves its soft boxes too.
+positive elevation above. They are in the light's own frame, so that rotating the light moves its soft boxes too.
 """
 
 from __future__ import annotations
@@ -41,14 +41,14 @@ class SoftBox:
         width_deg, height_deg: its angular size as seen from the face, [3, 150]; of a disc only the width counts.
         softness: share of its half size over which the edge fades, [0, 1].
         kelvin: its colour temperature, [1667, 25000]; 5600 is white.
-        colour: linear Rec.709 of a coloured gel instead of a temperature, or None. Only its hue and saturation
-            count: its luminance is divided out.
-        intensity: what a white card facing the lamp reflects, as a multiple of what it would on the brightest
-            side of the light that the box is added to; [0, 16].
+        colour: linear Rec.709 of a coloured gel, which replaces the temperature, or None. Its luminance is divided
+            out, so only hue and saturation count.
+        intensity: radiance of a white card that faces the lamp, as a multiple of that of a card on the brightest side
+            of the light that the box is added to, [0, 16].
         form: "rectangle" or "disc".
-        hole: share of a disc's width that stays dark in its middle, [0, 0.9]: a ring light.
-        off: it is switched off, and gives no light until it is switched on again.
-        name: of the light's own lamp that the box was (see `own_lamps`); empty for a lamp of the user's.
+        hole: share of a disc's width that is dark in its middle, [0, 0.9], for a ring light.
+        off: it is switched off and gives no light.
+        name: if the box was one of the light's own lamps (see `own_lamps`), that lamp's name; otherwise empty.
 
     Raises:
         ValueError: another form.
@@ -83,7 +83,7 @@ class SoftBox:
 
     @property
     def rgb(self) -> np.ndarray:
-        """(3,) linear Rec.709 of luminance 1; black gels come out white."""
+        """Its colour, (3,) linear Rec.709 of luminance 1; a black gel counts as white."""
         if self.colour is None:
             return kelvin_to_rgb(self.kelvin)
         luminance = float(np.dot(self.colour, REC709_LUMINANCE))
@@ -91,21 +91,22 @@ class SoftBox:
 
 
 def box_title(boxes: Sequence[SoftBox], index: int) -> str:
-    """What people call one of a light's boxes: its name, or its number among the user's own."""
+    """A title for one of a light's boxes: its name, or its number among the boxes that the user added."""
     if boxes[index].name:
         return boxes[index].name.capitalize()
     return f"Soft box {sum(not box.name for box in boxes[: index + 1])}"
 
 
 def soft_box_radiance(box: SoftBox, height: int, unit: float = 1.0) -> np.ndarray:
-    """The box alone on a panorama. Its irradiance on a card facing it is pi * intensity * unit, exactly.
+    """A panorama with only the box. Its irradiance on a card that faces it is exactly pi * intensity * unit.
 
     Args:
+        box: the lamp.
         height: rows of the map.
-        unit: luminance that an intensity of 1 stands for.
+        unit: luminance of a white card that an intensity of 1 stands for.
 
     Returns:
-        (height, 2 * height, 3) float32 linear radiance; all 0 of a box that is switched off.
+        (height, 2 * height, 3) float32 linear radiance; 0 if the box is switched off.
     """
     lamp = AreaLight(
         azimuth_deg=box.azimuth_deg,
@@ -122,7 +123,7 @@ def soft_box_radiance(box: SoftBox, height: int, unit: float = 1.0) -> np.ndarra
 
 
 def moved_to(box: SoftBox, direction: np.ndarray) -> SoftBox:
-    """The box with its centre in a direction (3,), which needs no unit length."""
+    """The box with its centre in a direction (3,) of any length; straight up or down, its azimuth stays."""
     x, y, z = (float(value) for value in direction)
     level = math.hypot(x, z)
     azimuth_deg = math.degrees(math.atan2(x, z)) if level > 1e-9 else box.azimuth_deg
@@ -130,7 +131,7 @@ def moved_to(box: SoftBox, direction: np.ndarray) -> SoftBox:
 
 
 def resized_to(box: SoftBox, direction: np.ndarray) -> SoftBox:
-    """The box with its size such that a corner, or a disc's edge, lies in a direction (3,); its centre stays."""
+    """The box with the same centre, and so large that a corner, or a disc's edge, lies in a direction (3,)."""
     if box.is_round:
         size = possible_size_deg(2 * _from_centre_deg(box, direction))
         return replace(box, width_deg=size, height_deg=size)
@@ -139,12 +140,12 @@ def resized_to(box: SoftBox, direction: np.ndarray) -> SoftBox:
 
 
 def possible_size_deg(degrees: float) -> float:
-    """The width or height, of those a soft box may have, that is nearest to an angle."""
+    """An angle clamped to the widths and heights that a soft box may have."""
     return min(max(degrees, SMALLEST_DEG), LARGEST_DEG)
 
 
 def contains(box: SoftBox, direction: np.ndarray) -> bool:
-    """Whether a direction (3,) meets the box; the same near the seam and the poles as anywhere."""
+    """Whether a direction (3,) hits the box, also across the panorama's seam and near its poles."""
     if box.is_round:
         return _from_centre_deg(box, direction) <= box.width_deg / 2
     across, along, ahead = _angles(box, direction)
@@ -152,7 +153,7 @@ def contains(box: SoftBox, direction: np.ndarray) -> bool:
 
 
 def corners(box: SoftBox) -> np.ndarray:
-    """(4, 3) unit vectors toward its corners, in order around it; of a disc, where its edge is nearest to such."""
+    """(4, 3) unit vectors toward its corners, in order around it; for a disc, toward its edge on the diagonals."""
     signs = np.array([(-1, 1), (1, 1), (1, -1), (-1, -1)])
     if box.is_round:
         signs = signs / np.sqrt(2)
@@ -172,18 +173,18 @@ def outline(box: SoftBox, per_side: int = 12) -> np.ndarray:
 
 
 def lamp_direction(normal: np.ndarray, aim: str) -> np.ndarray:
-    """Where a lamp has to be for a point of a face to be bright or to shine, seen from the camera.
+    """The direction of a lamp that makes a point of a face bright, or puts a highlight there.
 
     Args:
         normal: (3,) unit, camera space.
-        aim: "bright" puts the lamp straight above the surface; "highlight" where the surface mirrors it
-            toward a far camera, the reflection of +z about the normal.
+        aim: "bright" puts the lamp in the direction of the normal; "highlight" in the direction that the surface
+            mirrors toward a distant camera, the reflection of +z about the normal.
 
     Returns:
         (3,) float64 unit, camera space.
 
     Raises:
-        ValueError: another aim, or a normal of no length.
+        ValueError: another aim, or a normal of length 0.
     """
     length = float(np.linalg.norm(normal))
     if aim not in ("bright", "highlight") or not length > 0:
@@ -193,6 +194,7 @@ def lamp_direction(normal: np.ndarray, aim: str) -> np.ndarray:
 
 
 def _axes(box: SoftBox) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The box's orthonormal frame: unit vectors (3,) to the right, up, and from the face to its centre."""
     azimuth = math.radians(box.azimuth_deg)
     forward = box.direction
     right = np.array([math.cos(azimuth), 0.0, -math.sin(azimuth)])
@@ -200,7 +202,7 @@ def _axes(box: SoftBox) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _angles(box: SoftBox, direction: np.ndarray) -> tuple[float, float, float]:
-    """Degrees across and along the box, and how far ahead."""
+    """A direction's angles in degrees along the box's width and height, and its component toward the centre."""
     right, up, forward = _axes(box)
     ahead = float(direction @ forward)
     across = math.degrees(math.atan2(float(direction @ right), ahead))
@@ -213,6 +215,7 @@ def _from_centre_deg(box: SoftBox, direction: np.ndarray) -> float:
 
 
 def _toward(box: SoftBox, across: np.ndarray, along: np.ndarray) -> np.ndarray:
+    """Unit vectors (n, 3) toward points of the box's plane, (n,) and (n,) in half widths and half heights."""
     right, up, forward = _axes(box)
     sizes = (box.width_deg, box.width_deg if box.is_round else box.height_deg)
     half_width, half_height = (math.tan(math.radians(size / 2)) for size in sizes)

@@ -25,10 +25,10 @@ def directions(height: int, width: int) -> np.ndarray:
 
 
 def place_on_map(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where directions of any length point on a lat-long map, the reverse of `directions`.
+    """Where directions of any length lie on a lat-long map, the inverse of `directions`.
 
     Returns:
-        shares of the map's width from the left and of its height from the top, both in [0, 1].
+        Distances from the map's left as a share of its width, and from its top as a share of its height, in [0, 1].
     """
     return np.arctan2(x, -z) / (2 * np.pi) + 0.5, np.arctan2(np.hypot(x, z), y) / np.pi
 
@@ -36,29 +36,30 @@ def place_on_map(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> tuple[np.ndarra
 def uv_of(direction: np.ndarray) -> tuple[float, float]:
     """Where a direction (3,) lies on a panorama: u in [0, 1), v in [0, 1]."""
     u, v = place_on_map(*direction)
+    # Twice, since a tiny negative u % 1 rounds to 1.
     return float(u) % 1.0 % 1.0, float(v)
 
 
 def direction_at(u: float, v: float) -> np.ndarray:
-    """(3,) unit vector toward a point of a panorama; u repeats, v in [0, 1]."""
+    """(3,) unit vector toward a point of a panorama; u is periodic, v in [0, 1]."""
     theta, phi = math.pi * v, 2 * math.pi * (u - 0.5)
     level = math.sin(theta)
     return np.array([level * math.sin(phi), math.cos(theta), -level * math.cos(phi)])
 
 
 def turned(direction: np.ndarray, yaw_deg: float) -> np.ndarray:
-    """A direction (3,) of a light, in camera space after a turn of the light by yaw_deg, as panoramas turn."""
+    """A light's direction (3,) in camera space after a rotation of the light by yaw_deg, as by `panorama.rotate`."""
     angle = np.radians(yaw_deg)
     x, y, z = (float(value) for value in direction)
     return np.array([x * np.cos(angle) - z * np.sin(angle), y, x * np.sin(angle) + z * np.cos(angle)])
 
 
 def off_axis(off_axis_deg: float, around_deg: float) -> np.ndarray:
-    """A direction (3,) in camera space by its angle from the camera's axis and its angle around that.
+    """A direction (3,) in camera space from its angle to the camera's axis and its angle around that axis.
 
     Args:
-        off_axis_deg: 0 is toward the camera, 90 at the person's side, 180 behind.
-        around_deg: 0 on the right of the image, 90 on top.
+        off_axis_deg: 0 is toward the camera, 90 beside the person, 180 behind.
+        around_deg: 0 is the right of the image, 90 its top.
     """
     off, around = np.radians([off_axis_deg, around_deg])
     return np.array([np.sin(off) * np.cos(around), np.sin(off) * np.sin(around), np.cos(off)])
@@ -76,13 +77,13 @@ def solid_angles(height: int, width: int) -> np.ndarray:
 
 
 def even_rows(height: int, width: int) -> np.ndarray:
-    """Averages along each row of a lat-long map over the width that a texel has at the equator.
+    """Matrices that average each row of a lat-long map over the width that a texel has at the equator.
 
-    Toward the poles texels shrink to slivers, too narrow for anything learnt or measured to tell apart.
+    Toward the poles texels become slivers, too narrow for a network or a measurement to distinguish.
 
     Returns:
-        (height, width, width) float32: row r of a map times matrix r is that row, averaged. Symmetric, every
-        row and column summing to 1, so that a row keeps its mean.
+        (height, width, width) float32: row r of a map times matrix r is that row, averaged. Each matrix is symmetric,
+        and its rows and columns sum to 1, so that a row keeps its mean.
     """
     theta = np.pi * (np.arange(height) + 0.5) / height
     reach = np.minimum(width, 1 / np.sin(theta))[:, None] / 2

@@ -1,4 +1,4 @@
-"""A light in a few numbers: where it comes from and how bright it is."""
+"""A light in a few numbers: its mean direction, and what a light meter reads."""
 
 from __future__ import annotations
 
@@ -12,19 +12,21 @@ from relight_core.lighting.environment import Environment, network_light
 from relight_core.lighting.sphere import directions, solid_angles
 
 METERED_READING = 1.5
-"""What the meter reads, in the photo's units, of light that suits it as it is, such as the bundled rigs'."""
+"""The meter's reading, in the photo's units, of a light that suits a photo without metering, as bundled rigs do."""
 
 _FACES_TILT_AT_MOST = math.sin(math.radians(30.0))
+"""As |n_y|: little of an upright face looks further up or down."""
 
 MOST_STOPS = 16.0
+"""Metering changes a level by at most so many stops."""
 
 
 def average_direction(environment: Environment, yaw_deg: float = 0.0) -> np.ndarray:
-    """Mean direction of the light, every direction weighted by the luminance that comes from it.
+    """Mean direction of a light, weighted by luminance.
 
     Returns:
-        (3,) float32 in camera space. Its length tells how much the light agrees with itself: near 1
-        for a lone lamp, 0 for light that is balanced from all sides or for no light.
+        (3,) float32 in camera space. Its length tells how directional the light is: near 1 for a single lamp, 0 for
+        light that is balanced from all sides, or for no light.
     """
     light = network_light(environment, yaw_deg)
     height, width = light.shape[:2]
@@ -36,12 +38,13 @@ def average_direction(environment: Environment, yaw_deg: float = 0.0) -> np.ndar
 
 
 def meter_reading(environment: Environment) -> float:
-    """What an incident-light meter reads before a face on the light's brightest side: a white matte card's luminance.
+    """The luminance of a white matte card that faces the light's brightest side, as an incident-light meter reads it.
 
-    A face is upright, and little of it looks more than 30 degrees up or down: what only lights the top of a head,
-    as most of a grey sky does, is not metered.
+    Only cards that look at most 30 degrees up or down count, as most of an upright face does. So light that only
+    reaches the top of a head, like most of a grey sky, is not metered.
 
-    In units of the light's level; 0 for a map without light. Does not change with the yaw.
+    Returns:
+        The reading in units of the light's level, independent of its yaw; 0 for a map without light.
     """
     light = network_light(environment)
     height, width = light.shape[:2]
@@ -50,12 +53,12 @@ def meter_reading(environment: Environment) -> float:
 
 
 def metered_level_ev(environment: Environment) -> float:
-    """By how much the light's level has to change for its brightest side to be as bright as that of the bundled rigs.
+    """The change of level that makes a light's brightest side as bright as that of the bundled rigs.
 
-    A panorama comes in units of its own; the rigs are made to suit a photo as it is.
+    Panoramas are in arbitrary units; the rigs are made to suit a photo as they are.
 
     Returns:
-        stops in [-16, 16]; 0 for a map without light. Twice the light gives one stop less.
+        Stops in [-16, 16]; 0 for a map without light. Twice the light gives one stop less.
     """
     if environment.level <= 0:
         return 0.0
@@ -65,7 +68,7 @@ def metered_level_ev(environment: Environment) -> float:
 
 @lru_cache(maxsize=2)
 def _relative_cosines(height: int, width: int) -> np.ndarray:
-    """Clamped cosine times solid angle, (normals, texels); rows sum to 1 and keep even light even."""
+    """Clamped cosine times solid angle, (normals, texels), with rows that sum to 1, so that even light reads as 1."""
     toward = directions(height, width).reshape(-1, 3).astype(np.float64)
     areas = solid_angles(height, width).ravel().astype(np.float64)
     cosines = np.maximum(toward @ toward.T, 0.0) * areas
