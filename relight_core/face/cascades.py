@@ -1,4 +1,4 @@
-"""OpenCV's Haar cascades: raw hits on a grey image, and one box per face from their votes."""
+"""OpenCV's Haar cascades: raw hits on a grey image, merged into one box per face."""
 
 from __future__ import annotations
 
@@ -14,36 +14,37 @@ FRONTAL = ("frontalface_default", "frontalface_alt", "frontalface_alt2")
 PROFILE = ("profileface",)
 
 SMALLEST_PX = 28
-"""Width of the smallest heads that are looked for."""
+"""Width of the smallest heads that are searched for, in pixels of the image that a cascade sees."""
 
 _SCALE_STEP = 1.1
-"""By how much a cascade's window grows from one search to the next."""
+"""Ratio of two consecutive sizes of a cascade's window."""
 _SAME_FACE_OVERLAP = 0.35
-"""Intersection over union from which on two hits are of one face."""
+"""Intersection over union above which two hits belong to one face."""
 _SURE_VOTES, _FEWEST_VOTES = 15, 8
-"""Votes from which on a face needs no eyes to confirm it, and from which on eyes can."""
+"""Votes from which on a face is accepted without eyes, and below which it is rejected even with eyes."""
 _EYE_VIEW_PX = 240
-"""Width to which the upper half of a face is brought before eyes are looked for."""
+"""Width to which the upper half of a face is scaled before eyes are searched for."""
 
 _FRONTAL_FACE = (0.095, 0.26, 0.905, 1.065)
-"""Brow to chin and cheek to cheek within a frontal hit, as fractions of its side; the medians over
-portraits against facial landmarks agree to 0.02 between the three frontal cascades."""
+"""x0, y0, x1, y1 of a face, cheek to cheek and brow to chin, in a frontal hit, as fractions of its side. Measured on
+portraits with facial landmarks; the medians of the three frontal cascades agree to 0.02."""
 
 _PROFILE_FACE = (-0.05, 0.20, 0.76, 1.0)
-"""The same within a profile hit of a face that looks to the left of the image."""
+"""The same in a profile hit of a face that looks to the left of the image."""
 
 _detecting = threading.Lock()
+"""Cascades are shared, and can't be used by two threads at once."""
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """One face, as agreed on by the cascades that hit it.
+    """One face, merged from the hits of several cascades.
 
     Attributes:
-        box: (4,) x0, y0, x1, y1 in pixel edges of the grey image, brow to chin and cheek to cheek.
+        box: (4,) x0, y0, x1, y1 in pixel edges of the grey image, cheek to cheek and brow to chin.
         votes: raw hits that were merged into it, over all cascades.
         cascades: how many different cascades hit it.
-        roll_deg: by how much the head leans to the left of the image.
+        roll_deg: the angle by which the head leans to the left of the image.
     """
 
     box: np.ndarray
@@ -53,21 +54,21 @@ class Candidate:
 
 
 def frontal_candidates(grey: np.ndarray, smallest_px: int = SMALLEST_PX) -> list[Candidate]:
-    """Faces that all frontal cascades see, or fewer see and eyes confirm.
+    """Faces that all frontal cascades hit, or that fewer hit and eyes confirm.
 
     Args:
-        grey: (h, w) uint8, contrast evened out.
-        smallest_px: width of the smallest heads; nearly all the time goes into small ones.
+        grey: (h, w) uint8, with local contrast equalised.
+        smallest_px: width of the smallest heads; searching for small ones takes nearly all the time.
     """
     hits = [hit for name in FRONTAL for hit in _hits(grey, name, _FRONTAL_FACE, smallest_px)]
     return [found for found in _merge(hits) if _is_frontal_face(grey, found)]
 
 
 def every_hit(grey: np.ndarray) -> list[Candidate]:
-    """Whatever two frontal cascades take for a face, most of it none.
+    """Whatever two frontal cascades hit, most of which is not a face.
 
     Args:
-        grey: (h, w) uint8, contrast evened out.
+        grey: (h, w) uint8, with local contrast equalised.
     """
     return _merge([hit for name in FRONTAL[:2] for hit in _hits(grey, name, _FRONTAL_FACE)])
 
@@ -81,10 +82,10 @@ def _is_frontal_face(grey: np.ndarray, found: Candidate) -> bool:
 
 
 def profile_candidates(grey: np.ndarray) -> list[Candidate]:
-    """Faces seen from the side, looking left or right, with many votes or an eye.
+    """Faces in profile, looking left or right, that have many votes or an eye.
 
     Args:
-        grey: (h, w) uint8, contrast evened out.
+        grey: (h, w) uint8, with local contrast equalised.
     """
     return [
         found
@@ -94,10 +95,10 @@ def profile_candidates(grey: np.ndarray) -> list[Candidate]:
 
 
 def every_profile_hit(grey: np.ndarray) -> list[Candidate]:
-    """Whatever the profile cascade takes for a face that looks left or right.
+    """Whatever the profile cascade hits, looking left or right, most of which is not a face.
 
     Args:
-        grey: (h, w) uint8, contrast evened out.
+        grey: (h, w) uint8, with local contrast equalised.
     """
     hits = _hits(grey, PROFILE[0], _PROFILE_FACE)
     for box, votes, _ in _hits(np.ascontiguousarray(grey[:, ::-1]), PROFILE[0], _PROFILE_FACE):
@@ -109,6 +110,7 @@ def every_profile_hit(grey: np.ndarray) -> list[Candidate]:
 def _hits(
     grey: np.ndarray, name: str, face_within: tuple[float, float, float, float], smallest_px: int = SMALLEST_PX
 ) -> list[tuple[np.ndarray, int, str]]:
+    """A cascade's hits: box of the face, votes, name of the cascade."""
     with _detecting:
         boxes, votes = _cascade(name).detectMultiScale2(grey, _SCALE_STEP, 3, 0, (smallest_px, smallest_px))
     hits = []
@@ -119,7 +121,10 @@ def _hits(
 
 
 def _merge(hits: list[tuple[np.ndarray, int, str]]) -> list[Candidate]:
-    """Group hits that overlap the strongest one; the box is their mean, weighted by votes."""
+    """Merge hits that overlap the strongest one, then those that overlap the strongest of the rest, and so on.
+
+    Each box is the mean of its hits, weighted by votes.
+    """
     waiting = sorted(hits, key=lambda hit: -hit[1])
     found = []
     while waiting:
@@ -144,7 +149,7 @@ def overlap(a: np.ndarray, b: np.ndarray) -> float:
 
 
 def _has_eyes(grey: np.ndarray, box: np.ndarray, wanted: int) -> bool:
-    """Whether the upper half of a face box shows at least `wanted` eyes, of believable size."""
+    """Whether the upper half of a face box shows at least `wanted` eyes of a plausible size."""
     width = box[2] - box[0]
     x0, x1 = np.clip(np.rint([box[0] - 0.05 * width, box[2] + 0.05 * width]), 0, grey.shape[1]).astype(int)
     y0, y1 = np.clip(np.rint([box[1] - 0.15 * width, box[1] + 0.55 * width]), 0, grey.shape[0]).astype(int)

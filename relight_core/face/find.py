@@ -1,4 +1,4 @@
-"""Where the faces are in a photo."""
+"""Face detection with OpenCV's cascades, and guesses for better judges where cascades see too little."""
 
 from __future__ import annotations
 
@@ -25,57 +25,61 @@ from relight_core.imaging.photo import Photo
 from relight_core.imaging.resampling import resize_area
 
 _LONG_SIDE_PX = 800
-"""Length of the copy of a photo in which faces are looked for first."""
+"""Longer side of the copy of a photo in which faces are searched for first."""
 _LEAST_SIDE_PX = 24
-"""A copy that is narrower has no room for the window of a cascade."""
+"""A narrower copy has no room for a cascade's window."""
 _LARGEST_GROWTH = 3.0
-"""By how much a small photo is enlarged for the cascades, at the most."""
+"""A small photo is enlarged by at most this factor."""
 _WHITE_PERCENTILE, _AGAINST_LIGHT_PERCENTILES = 99.0, (50.0, 25.0)
-"""Percentiles of a photo's luminance that cascades see as white: usually, and where a face stands before a bright sky
-or window and would be too dark."""
+"""Percentile of a photo's luminance that becomes white for the cascades; and those that are tried for a face in front
+of a bright sky or window, which would be too dark."""
 _BEYOND_DOUBT_VOTES = 40
-"""Hits of all cascades together from which on nobody else needs to be asked."""
+"""Hits of all cascades together from which on a face needs no judge."""
 _LARGE, _BESIDE_LARGE = 0.25, 0.1
-"""Widths as shares of the photo's longer side: of a face that makes it a portrait, and of the smallest heads that are
-looked for beside one."""
+"""Widths as shares of the photo's longer side: of a face that makes the photo a portrait, and of the smallest heads
+that are searched for beside it."""
 _TILTS_DEG = (-30.0, 30.0)
+"""Angles at which leaning faces are searched for."""
 
 _LONG_SIDE_FOR_SMALL_PX, _LONG_SIDE_FOR_SMALL_TURNED_PX = 2800, 1400
-"""Lengths of the copies in which small faces are looked for: upright ones, and those in profile or leaning."""
+"""Longer sides of the copies in which small faces are searched for: upright ones, and those in profile or leaning."""
 _SHRUNK_FOR_SMALL = 0.7
-"""The copy's scale at the most: cascades see heads from 28 pixels on, and nobody relights one below 40 of the photo."""
+"""Largest scale of these copies: with it the smallest heads of a cascade, of 28 pixels, have 40 in the photo, and
+smaller ones aren't worth relighting."""
 
 _ALL_TILTS_DEG = (0.0, -30.0, 30.0, -60.0, 60.0, -90.0, 90.0, -120.0, 120.0, -150.0, 150.0, 180.0)
 _LONG_SIDE_FOR_GUESSES_PX = 400
 _MOST_GUESSES, _MOST_PROFILE_GUESSES = 16, 3
 _SAME_PLACE = 0.3
-"""Intersection over union from which on two guesses at one angle are one."""
+"""Intersection over union from which on two guesses at the same angle count as one."""
 _FILLING_SHARE = 0.9
-"""Width of a face that fills the photo, as a share of its shorter side."""
+"""Width of a face that fills the photo, as a share of the photo's shorter side."""
 
 _LONG_SIDE_FOR_COMPANIONS_PX = 500
 _LARGEST_ALONE, _LARGEST_LYING_ALONE = 0.13, 0.25
-"""Widths as shares of the photo's longer side above which one face leaves no room for others: of an upright face, for
-which the first search would have seen several, and of one that lies or is upside down, where it settles for one."""
+"""Widths, as shares of the photo's longer side, above which a single known face leaves no room for others. For an
+upright face it is lower, since the first search would have seen several; for one that lies or is upside down the
+search stops at the first."""
 _LIKE_COMPANIONS = (0.5, 1.6)
-"""Widths of companions, in widths of the largest known face."""
+"""Range of companions' widths, in widths of the largest known face."""
 _BESIDE = 0.65
-"""Boxes whose middles are nearer than this, in widths and heights of the known one, are of one face."""
+"""Boxes belong to one face if their centres are nearer than this, in widths and heights of the known one."""
 
 _known: WeakKeyDictionary[Photo, list[FaceBox]] = WeakKeyDictionary()
+"""What `find_faces` has found; photos are searched once."""
 _finding = threading.Lock()
 
 
 @dataclass(frozen=True)
 class FaceBox:
-    """A face from brow to chin and from cheek to cheek, in pixel edges: pixel i spans i to i + 1.
+    """A face from cheek to cheek and from brow to chin, in pixel edges: pixel i spans i to i + 1.
 
-    A box may reach beyond the photo where the face does. It is upright about the face's middle also where
-    the face is not.
+    A box may reach beyond the photo if the face does. Its sides are the face's own width and height, as if the face
+    had been rotated upright about its centre.
 
     Attributes:
-        roll_deg: by how much the head leans to the left of the photo.
-        doubtful: whether nothing but cascades says that this is a face.
+        roll_deg: the angle by which the head leans to the left of the photo.
+        doubtful: whether only cascades say that this is a face.
     """
 
     x0: float
@@ -100,21 +104,21 @@ Judge = Callable[[FaceBox], bool]
 
 
 class _InDoubtError(Exception):
-    """A face can't be told without a judge."""
+    """A judge would be needed to tell whether something is a face."""
 
 
 def find_faces(photo: Photo, is_face: Judge = lambda box: False) -> list[FaceBox]:
     """Find faces with OpenCV's Haar cascades (Viola and Jones 2001).
 
-    Upright frontal faces, beside a large one those that are not far smaller; where none of them is beyond doubt, faces
-    in profile, and faces that lean by up to about 45 degrees, on turned copies, which takes four times as long. A photo
-    is searched once, however many threads ask.
+    First upright frontal faces; beside a large one only those that are not much smaller. If none of them is beyond
+    doubt, also faces in profile and, on rotated copies, faces that lean by up to about 45 degrees, which takes four
+    times as long. A photo is searched once, however many threads ask.
 
     Args:
-        is_face: a better judge of what cascades doubt; asked before the long search.
+        is_face: a better judge of doubtful faces, such as a network; asked before the long search.
 
     Returns:
-        Largest first, small doubtful ones last; empty when there is none.
+        Largest first, small doubtful ones last; empty if there is none.
     """
     with _finding:
         if photo not in _known:
@@ -123,7 +127,7 @@ def find_faces(photo: Photo, is_face: Judge = lambda box: False) -> list[FaceBox
 
 
 def find_faces_beyond_doubt(photo: Photo) -> None:
-    """Let `find_faces` answer sooner later on, where it needs no judge: what is in doubt is left to whoever has one."""
+    """Run `find_faces` ahead, before a judge is available; where it would need one, nothing is remembered."""
 
     def leave(box: FaceBox) -> bool:
         raise _InDoubtError
@@ -133,10 +137,10 @@ def find_faces_beyond_doubt(photo: Photo) -> None:
 
 
 def find_small_faces(photo: Photo) -> list[FaceBox]:
-    """Faces that are too small for `find_faces`, upright ones down to about 40 pixels of a photo of 12 megapixels.
+    """Faces that are too small for `find_faces`: upright ones down to about 40 pixels in a photo of 12 megapixels.
 
-    This takes several times as long, up to 20 seconds of one core, and hardly a portrait has none but those. What is
-    found is what `find_faces` answers from then on.
+    For when nothing else is found, since this takes several times as long, up to 20 seconds of one core, and hardly a
+    portrait has only such faces. `find_faces` then returns them too.
 
     Returns:
         As `find_faces`.
@@ -157,23 +161,23 @@ def find_small_faces(photo: Photo) -> list[FaceBox]:
 
 
 def remember_faces(photo: Photo, faces: list[FaceBox]) -> None:
-    """What `find_faces` answers for a photo from now on, once somebody knows better."""
+    """Make `find_faces` return these faces for a photo, once they have been corrected."""
     with _finding:
         _known[photo] = list(faces)
 
 
 def guess_faces(photo: Photo) -> list[FaceBox]:
-    """Where there might be faces, leaning by any angle: whatever any cascade hits, for a better judge to choose from.
+    """Places that may be faces, leaning by any angle: whatever any cascade hits, for a better judge to choose from.
 
     Returns:
-        At most 17: up to three from the side, then the likeliest first; the same place may be there at several
-        angles. The last is a face that fills the photo, of which cascades see too little.
+        At most 17: up to three in profile, then the others, the likeliest first. One place may be listed at several
+        angles. The last is always a face that fills the photo, of which cascades see too little.
     """
     grey, scale = _detection_view(photo.linear, _LONG_SIDE_FOR_GUESSES_PX, _LARGEST_GROWTH)
     if min(grey.shape) < _LEAST_SIDE_PX:
         return []
     hits = _when_turned(every_hit, grey, _ALL_TILTS_DEG)
-    # The cascade for profiles sees fewer and would always be outvoted: its best come first.
+    # The profile cascade has fewer votes, with which its guesses would always come last: so its best come first.
     sides = sorted(every_profile_hit(grey), key=lambda hit: -hit.votes)[:_MOST_PROFILE_GUESSES]
     guesses: list[Candidate] = []
     for hit in [*sides, *sorted(hits, key=lambda hit: -hit.votes)]:
@@ -184,14 +188,14 @@ def guess_faces(photo: Photo) -> list[FaceBox]:
 
 
 def guess_companions(photo: Photo, known: Sequence[FaceBox]) -> list[FaceBox]:
-    """Where there might be more faces beside known ones, for a better judge to choose from.
+    """Places that may be more faces beside known ones, for a better judge to choose from.
 
-    Only in photos that have room for others: where several faces are known already, or the largest is small. What
-    cascades hit however seldom counts, if it is about as large as the known faces, upright, from the side or leaning by
-    up to 45 degrees. In a photo that lies or is upside down all of this is relative to its largest face.
+    Only photos with room for others are searched: those with several known faces, or whose only one is small. Every
+    hit of a cascade counts, whatever its votes, if it is about as large as the known faces, and upright, in profile or
+    leaning by up to 45 degrees. If the photo is on its side or upside down, this is relative to its largest face.
 
     Returns:
-        At most 16, the likeliest first, none where a known face is.
+        At most 16, the likeliest first, none in the place of a known face.
     """
     long_side = max(photo.linear.shape[:2])
     if not known:
@@ -235,7 +239,7 @@ def _search(photo: Photo, is_face: Judge) -> list[FaceBox]:
 
 
 def _against_light(photo: Photo) -> list[Candidate]:
-    """Frontal faces that cascades see only once the photo is made brighter."""
+    """Frontal faces that cascades see only after the photo has been brightened."""
     for white_percentile in _AGAINST_LIGHT_PERCENTILES:
         bright, _ = _detection_view(photo.linear, _LONG_SIDE_PX, _LARGEST_GROWTH, white_percentile)
         if found := frontal_candidates(bright):
@@ -252,11 +256,12 @@ def _boxes(found: list[Candidate], scale: float) -> list[FaceBox]:
 
 
 def _turned_away(grey: np.ndarray) -> list[Candidate]:
-    """Faces in profile, else faces that lean."""
+    """Faces in profile or, if there are none, faces that lean."""
     return profile_candidates(grey) or _when_turned(frontal_candidates, grey, _TILTS_DEG)
 
 
 def _filling(photo: Photo) -> FaceBox:
+    """A face that fills the photo."""
     height, width = photo.linear.shape[:2]
     half = _FILLING_SHARE * min(height, width) / 2
     return FaceBox(width / 2 - half, height / 2 - half, width / 2 + half, height / 2 + half, doubtful=True)
@@ -273,7 +278,11 @@ def _weight(candidate: Candidate) -> float:
 
 
 def _plausible(found: list[Candidate]) -> list[Candidate]:
-    """Drop boxes mostly within a better one, such as a mouth taken for a face, and tiny doubtful ones."""
+    """Drop boxes mostly inside a better one, such as a mouth taken for a face, and doubtful ones that are far smaller.
+
+    Args:
+        found: best first.
+    """
     kept: list[Candidate] = []
     for candidate in found:
         tiny = kept and _width(candidate) < _width(kept[0]) / 2
@@ -289,15 +298,24 @@ def _width(candidate: Candidate) -> float:
 
 
 def _share_within(box: np.ndarray, other: np.ndarray) -> float:
-    union = overlap(box, other)
+    """The share of a box's area that lies within another box."""
+    ratio = overlap(box, other)
     area, other_area = (np.prod(b[2:] - b[:2]) for b in (box, other))
-    return float(union * (area + other_area) / (1.0 + union) / area)
+    # ratio = shared / (area + other_area - shared), solved for shared.
+    return float(ratio * (area + other_area) / (1.0 + ratio) / area)
 
 
 def _detection_view(
     linear: np.ndarray, long_side_px: int, growth: float, white_percentile: float = _WHITE_PERCENTILE
 ) -> tuple[np.ndarray, float]:
-    """(h, w) uint8 with exposure and local contrast evened out, and its pixels per photo pixel."""
+    """The image that cascades see, (h, w) uint8 with exposure and local contrast equalised, and its scale.
+
+    Args:
+        linear: (H, W, 3).
+        long_side_px: longer side of the image.
+        growth: largest scale.
+        white_percentile: of luminance, which becomes white.
+    """
     height, width = linear.shape[:2]
     scale = min(long_side_px / max(height, width), growth)
     size = max(round(height * scale), 1), max(round(width * scale), 1)
@@ -312,7 +330,7 @@ def _detection_view(
 def _when_turned(
     look: Callable[[np.ndarray], list[Candidate]], grey: np.ndarray, tilts_deg: Iterable[float]
 ) -> list[Candidate]:
-    """What is seen in the image turned by each tilt; boxes stay upright, about the face's true centre."""
+    """What `look` finds in the image rotated by each angle; boxes are centred on the face's place in the image."""
     found = []
     for tilt_deg in tilts_deg:
         turned, back = _turned(grey, tilt_deg)
@@ -321,7 +339,7 @@ def _when_turned(
 
 
 def _turned(grey: np.ndarray, tilt_deg: float) -> tuple[np.ndarray, np.ndarray]:
-    """The whole image turned counterclockwise, and the (2, 3) affine map of its points back."""
+    """The whole image rotated counterclockwise, and the (2, 3) affine map of its points back."""
     height, width = grey.shape
     matrix = cv2.getRotationMatrix2D((width / 2, height / 2), tilt_deg, 1.0)
     cosine, sine = abs(matrix[0, 0]), abs(matrix[0, 1])
@@ -332,6 +350,7 @@ def _turned(grey: np.ndarray, tilt_deg: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _moved(candidate: Candidate, affine: np.ndarray) -> Candidate:
+    """The candidate with the same size, and its centre through a (2, 3) affine map."""
     centre = affine @ np.append((candidate.box[:2] + candidate.box[2:]) / 2, 1.0)
     half = (candidate.box[2:] - candidate.box[:2]) / 2
     return Candidate(np.concatenate([centre - half, centre + half]), candidate.votes, candidate.cascades)

@@ -1,7 +1,7 @@
-"""How much of the gloss of skin each part of a portrait has.
+"""The gloss of each part of a portrait, as a share of that of skin.
 
-The paper gives everything the gloss of skin (section 3.2) and names what that costs (5.4): hair and cloth scatter
-more than they mirror, and a sheen as of skin lies over them as haze.
+The paper gives everything the gloss of skin (section 3.2) and names the drawback (5.4): hair and cloth scatter more
+than they mirror, so a sheen like that of skin looks like haze over them.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ _DULL = {
 }
 
 GLOSS_SHARE = tuple(_DULL.get(name, 1.0) for name in CLASSES)
-"""By label, (0, 1]."""
+"""The share by label, in (0, 1]."""
 
 
 def gloss_of(labels: np.ndarray, dullness: float = 1.0) -> np.ndarray:
-    """The shares of pixels (P,), as (P, 1) float32, to the power of `dullness`: 0 gives all the gloss of skin."""
+    """The shares of pixels with labels (P,), (P, 1) float32, to the power of `dullness`: at 0 all have skin's gloss."""
     return np.array(GLOSS_SHARE, np.float32)[labels][:, None] ** dullness

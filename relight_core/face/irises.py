@@ -1,8 +1,8 @@
 """Where a face's irises are, to a pixel of the photo.
 
-The parsing sees an eye in some ten pixels; the photo often has ten times as many. There an iris is a disc that is
-darker than the white of the eye to its left and right (Daugman 1993: the circle across which the light changes
-most). Lids cover its top and often its bottom, so only its sides are asked.
+The parsing has some ten pixels of an eye, the photo often ten times as many. In it an iris is a disc that is darker
+than the white of the eye on its left and right (Daugman 1993: the circle across which brightness changes most). Lids
+cover its top and often its bottom, so only the sides of its edge are used.
 """
 
 from __future__ import annotations
@@ -19,35 +19,35 @@ from relight_core.face.parsing import EYES, INDEX
 from relight_core.imaging.colour import luminance, srgb_encode
 
 _HALF_PX, _SIDE_PX = 40, 176
-"""Half an eye's width in the square view in which an iris is looked for, and that view's side."""
+"""Half an eye's width in the square view in which its iris is searched for, and that view's side."""
 _RADII_PX = np.arange(11.0, 23.5)
 """Radii of irises that are tried in that view."""
 _USUAL_RADIUS, _RADIUS_DOUBT = 0.45, 0.16
-"""An iris's radius in half-widths of its eye as the parsing sees that, and by how much it may be off."""
+"""Typical radius of an iris in half-widths of its eye in the parsing, and its spread."""
 _ARC_DEG = (-25.0, 50.0)
-"""The part of each side of an iris's edge that is looked at, from above its middle to below: lids cover the rest."""
+"""The arc on each side of an iris's edge that is used, from above its centre to below; lids cover the rest."""
 _STEP_PX, _RING_PX = 2.0, 1.5
-"""How far outside and inside of an iris's edge brightness is compared, and half the width of the rings there."""
+"""Brightness is compared so far outside and inside of an iris's edge, in rings of twice the second width."""
 _SPECK_PX = 9
-"""Catchlights are smaller, and would be edges of their own: what is brighter and as small is taken out."""
+"""Bright spots up to this size are removed first: catchlights, which would have edges of their own."""
 _OFF_MIDDLE = (0.75, 0.25)
-"""Half-widths of an eye to the side and up or down that an iris may be off its middle. Further up are lashes and brows.
-"""
+"""How far an iris may be from the centre of its eye, sideways and up or down, in the eye's half-widths. Further up are
+lashes and brows."""
 
 _BOTH_SIDES, _DARKNESS, _RADIUS_WEIGHT = 0.25, 0.5, 0.12
-"""Weights in the score, beside the contrast of the edge's fainter side: of both sides' mean contrast, of how dark the
-disc is, and of how unusual the radius is."""
+"""Weights in the score, relative to the contrast of the edge's fainter side: of the mean contrast of both sides, of how
+dark the disc is, and of how unusual the radius is."""
 _LEAST_SCORE = 0.5
-"""The score both eyes need at the least: else there is a veil, or hair, and the other eye is doubtful too."""
+"""Score that both eyes need. Otherwise there is a veil or hair over one of them, and the other is doubtful too."""
 _LEAST_EDGE, _LEAST_BESIDE = 0.2, 0.1
-"""Contrast that the edge's fainter side needs, as a share of the brightness around: of one iris, and of the other."""
+"""Contrast of the edge's fainter side, as a share of the brightness around, that one iris needs, and then the other."""
 _LEAST_RADIUS_PX = 5.0
-"""Pixels of the photo."""
+"""In pixels of the photo."""
 
 
 @dataclass(frozen=True)
 class Iris:
-    """A disc in a photo, all in pixels of it."""
+    """An iris as a disc: centre and radius in pixels of the photo."""
 
     x: float
     y: float
@@ -55,18 +55,15 @@ class Iris:
 
 
 def find_irises(linear: np.ndarray, exposure: float, parsing: np.ndarray, view: Crop) -> tuple[Iris, ...]:
-    """The irises of a face, as far as they are seen well enough.
+    """The irises of a face that are seen clearly enough, 0 to 2.
 
-    Both are as large as each other, which tells an iris from its pupil where one of them has a pale rim.
+    Both have the same radius. That distinguishes an iris from its pupil if one of them has a pale rim.
 
     Args:
         linear: (H, W, 3) the photo.
-        exposure: of it.
+        exposure: the gain at which it is viewed.
         parsing: (classes, S, S) probabilities in the face's view.
-        view: where that lies.
-
-    Returns:
-        none to two of them.
+        view: where that lies in the photo.
     """
     places = [eye_place(parsing[INDEX[name]]) for name in EYES]
     places = [place for place in places if place is not None]
@@ -94,6 +91,7 @@ def find_irises(linear: np.ndarray, exposure: float, parsing: np.ndarray, view: 
 
 
 def _around(place: EyePlace, view: Crop, size: int, half_width: float) -> Crop:
+    """The square view around an eye, whose half-width, in photo pixels, takes `_HALF_PX` of it."""
     x, y = view.to_photo(np.array([place.middle_x, place.middle_y]) + 0.5, size)
     return Crop(float(x), float(y), half_width * _SIDE_PX / _HALF_PX, view.roll_deg)
 
@@ -103,9 +101,9 @@ class _Look:
     """The best disc of every radius in one eye.
 
     Attributes:
-        scores: (radii,) how much each is like an iris.
-        middles: (radii, 2) x, y of pixels.
-        edges: (radii,) by how much of the brightness around it is darker than what is beside it, on its fainter side.
+        scores: (radii,) the similarity of each to an iris.
+        middles: (radii, 2) column and row of its centre, in the eye's view.
+        edges: (radii,) contrast across the fainter side of its edge, as a share of the brightness around the eye.
     """
 
     scores: np.ndarray
@@ -114,7 +112,7 @@ class _Look:
 
     @classmethod
     def at(cls, seen: np.ndarray) -> _Look:
-        """Look at an eye (176, 176), sRGB."""
+        """Search the view of an eye, (176, 176) sRGB."""
         speck = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (_SPECK_PX, _SPECK_PX))
         seen = cv2.morphologyEx(np.clip(seen, 0, 1), cv2.MORPH_OPEN, speck)
         middle = _SIDE_PX // 2
@@ -137,7 +135,7 @@ class _Look:
 
 
 def _filtered(seen: np.ndarray, most: tuple[int, int], kernel: np.ndarray) -> np.ndarray:
-    """An eye through a kernel, at most so far down and across from its middle."""
+    """The view of an eye, filtered, at places up to `most` pixels down and across from its centre."""
     middle, half = _SIDE_PX // 2, len(kernel) // 2
     rows, columns = (slice(middle - off - half, middle + off + half + 1) for off in most)
     return cv2.filter2D(seen[rows, columns], -1, kernel)[half:-half, half:-half]
@@ -145,11 +143,12 @@ def _filtered(seen: np.ndarray, most: tuple[int, int], kernel: np.ndarray) -> np
 
 @lru_cache(maxsize=1)
 def _kernels() -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """For every radius: outside less inside of its left and of its right edge, and the mean of what is within."""
+    """Three kernels for every radius: brightness outside minus inside of its left and its right edge; mean inside."""
     return [(*(_edge(radius, side) for side in (-1, 1)), _disc(0.8 * radius)) for radius in _RADII_PX]
 
 
 def _edge(radius: float, side: int) -> np.ndarray:
+    """The mean of a ring just outside minus that of one just inside a circle's arc, left (-1) or right (1)."""
     x, y = _grid(radius + 2 * _STEP_PX)
     angle, distance = np.degrees(np.arctan2(y, np.abs(x))), np.hypot(x, y)
     asked = (angle > _ARC_DEG[0]) & (angle < _ARC_DEG[1]) & (side * x > 0)

@@ -1,4 +1,4 @@
-"""By how much a head leans, from where its parsing map has the eyes and brows."""
+"""The angle by which a head leans, from the eyes and brows in its parsing."""
 
 from __future__ import annotations
 
@@ -8,13 +8,15 @@ from relight_core.face.parsing import INDEX
 
 _PAIRS = (("right_eye", "left_eye"), ("right_brow", "left_brow"))
 _FEWEST_PIXELS = 2
+"""Pixels that an eye or a brow must have."""
 _LARGEST_DEG = 35.0
+"""A larger angle is taken for an error of the parsing."""
 
 
 def remaining_roll(labels: np.ndarray) -> float:
-    """How far the head in a view still leans to the left of it, in degrees; 0 where that can't be seen.
+    """The angle in degrees by which the head in a view still leans to the view's left; 0 if that can't be told.
 
-    The line through both eyes and that through both brows lie across the head; one of them is enough.
+    The line through both eyes and the one through both brows lie across the head; one of them is enough.
 
     Args:
         labels: (S, S) parsing labels of the view.
@@ -28,7 +30,7 @@ def remaining_roll(labels: np.ndarray) -> float:
 
 
 def _between(labels: np.ndarray, first: str, second: str) -> np.ndarray | None:
-    """x, y from the middle of one part of the face to that of another; None where either is out of sight."""
+    """x, y from the centre of one part of the face to that of another; None if either is not visible."""
     middles = []
     for name in (first, second):
         rows, columns = np.nonzero(labels == INDEX[name])

@@ -1,4 +1,4 @@
-"""The face-parsing classes: the paper's eight regions, the background, and what we add around them."""
+"""The face-parsing classes: the paper's eight regions, the background, and the classes we add around them."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ inner mouth, lips and skin); "neck" holds all bare skin outside the face: neck, 
 INDEX = {name: index for index, name in enumerate(CLASSES)}
 
 PAPER_CLASSES = CLASSES[1:9]
-"""The eight regions of the paper; everything else is its black background."""
+"""The eight regions of the paper, in which everything else is black background."""
 
 FACE_LABELS = tuple(INDEX[name] for name in PAPER_CLASSES)
 """The labels of those regions."""
@@ -41,7 +41,7 @@ FACE_LABELS = tuple(INDEX[name] for name in PAPER_CLASSES)
 _OTHER_SIDE = {"left_brow": "right_brow", "left_eye": "right_eye", "right_brow": "left_brow", "right_eye": "left_eye"}
 
 MIRRORED = tuple(INDEX[_OTHER_SIDE.get(name, name)] for name in CLASSES)
-"""The label that each label has in a mirror."""
+"""The label that each label becomes when the image is mirrored."""
 
 PALETTE_SRGB = (
     (0, 0, 0),
@@ -67,40 +67,41 @@ SKIN, BROWS, EYES, MOUTH = (
     ("left_eye", "right_eye"),
     ("lips", "inner_mouth"),
 )
-"""Names of what is bare skin, and of brows, eyes and mouth."""
+"""Names of the classes of bare skin, of brows, of eyes and of the mouth."""
 
 KINDS = (SKIN, (*BROWS, *EYES, *MOUTH), ("hair",), ("hat", "glasses", "cloth"))
-"""Names of the classes that the foreign-shadow network is told of together: all but the background."""
+"""Groups of classes that are inputs of the foreign-shadow network, one channel each: all but the background."""
 
 SURELY = 0.6
-"""Probability from which on a pixel surely belongs to a class, or to one of several."""
+"""A pixel surely belongs to a class, or to one of several, above this probability."""
 
 FEWEST_PIXELS = 50
-"""Pixels that surely belong to a part of a view, for its colour or brightness to be told."""
+"""Pixels that must surely belong to a part of a view before its colour or brightness is measured."""
 
 FEWEST_OF_SKIN = 100
-"""Pixels that are surely bare skin, for its albedo to be changed by what is told of it."""
+"""Pixels that must surely be bare skin before such a measurement changes its albedo."""
 
 _UNLIKELY, _LIKELY = 0.5, 0.75
+"""Ramp of `likely`."""
 
 
 def share_of(parsing: torch.Tensor, names: Sequence[str]) -> torch.Tensor:
-    """(B, 1, S, S) the probability of any of some classes, of (B, classes, S, S)."""
+    """The probability that a pixel is of any of some classes, (B, 1, S, S), from (B, classes, S, S)."""
     return sum(parsing[:, INDEX[name], None] for name in names)
 
 
 def skin_share(parsing: torch.Tensor) -> torch.Tensor:
-    """(B, 1, S, S) probability of bare skin, of (B, classes, S, S)."""
+    """The probability of bare skin, (B, 1, S, S), from (B, classes, S, S)."""
     return share_of(parsing, SKIN).clamp(0, 1)
 
 
 def likely(share: torch.Tensor) -> torch.Tensor:
-    """Of a class's probability: 1 where it is three times as likely as all others, 0 where it is less than they are."""
+    """A class's probability, sharpened: 1 from three times that of all others together on, 0 up to even odds."""
     return ramp(share, _UNLIKELY, _LIKELY)
 
 
 def with_neck_as(parsing: torch.Tensor, name: str, share: torch.Tensor) -> torch.Tensor:
-    """Parsing probabilities (B, classes, S, S) with a share (B, 1, S, S), of what passed for neck, as another class."""
+    """Parsing probabilities (B, classes, S, S) with a part (B, 1, S, S) of the neck's probability moved to a class."""
     parsing = parsing.clone()
     parsing[:, INDEX["neck"]] -= share[:, 0]
     parsing[:, INDEX[name]] += share[:, 0]
@@ -108,7 +109,7 @@ def with_neck_as(parsing: torch.Tensor, name: str, share: torch.Tensor) -> torch
 
 
 def middle_row(parsing: np.ndarray | torch.Tensor, names: Sequence[str], least_px: float) -> float | None:
-    """The mean row of some classes in a parsing (classes, S, S); None where no more than `least_px` are theirs."""
+    """The mean row of some classes in a parsing (classes, S, S); None if they have at most `least_px` pixels."""
     by_row = parsing[[INDEX[name] for name in names]].sum((0, 2)).tolist()
     total = sum(by_row)
     return sum(row * share for row, share in enumerate(by_row)) / total if total > least_px else None

@@ -1,7 +1,7 @@
 """Resampling between a crop, a picture of the whole photo, and another crop.
 
-A map of a crop covers its square, a map of the photo all of it, both at any resolution. Whole pictures are made a band
-of rows at a time, and what a pixel gets does not depend on how they are cut into bands.
+A crop's map covers the crop's square, a photo's map the whole photo, both at any resolution. Whole pictures are made
+in bands of rows, and a pixel's value doesn't depend on how they are divided into bands.
 """
 
 from __future__ import annotations
@@ -15,19 +15,19 @@ from relight_core.face.crop import Crop
 from relight_core.imaging.ramp import smooth_ramp
 
 _WIDTH_OF_BEYOND = 4.0
-"""Over how many times what lies beyond a view's edge the view fades toward it, at the most."""
+"""A view fades toward an edge over at most so many times the width of the photo that lies beyond that edge."""
 
 
 @dataclass(frozen=True)
 class Band:
-    """Rows `top` to `bottom` of a picture of `size`; the picture may be a smaller copy of the photo.
+    """A band of rows of a picture, which may be a smaller copy of the photo.
 
     Attributes:
-        top, bottom: rows of the picture, the latter not included.
+        top, bottom: first row of the picture, and the one after the last.
         size: (height, width) of the picture.
         photo_size: (height, width) of the photo.
-        columns: first and last, the latter not included; None is all of them.
-        step: only every so many rows, from `top` on.
+        columns: first column and the one after the last; None for all.
+        step: only every `step`-th row from `top` on.
     """
 
     top: int
@@ -53,14 +53,14 @@ class Band:
         return self.rows, slice(*self.span)
 
     def part(self, rows: slice, columns: slice) -> Band:
-        """Some of the band's own rows and columns, counted from its first."""
+        """A part of the band: some of its rows and columns, counted from its first ones."""
         top, left = self.top + rows.start * self.step, self.span[0]
         bottom = min(self.top + (rows.stop - 1) * self.step + 1, self.bottom)
         return replace(self, top=top, bottom=bottom, columns=(left + columns.start, left + columns.stop))
 
 
 def bands(size: tuple[int, int], photo_size: tuple[int, int], rows: int = 64) -> list[Band]:
-    """A picture cut into bands of at most so many rows."""
+    """A picture divided into bands of at most `rows` rows."""
     return [Band(top, min(top + rows, size[0]), size, photo_size) for top in range(0, size[0], rows)]
 
 
@@ -70,12 +70,17 @@ def all_of(size: tuple[int, int], photo_size: tuple[int, int]) -> Band:
 
 
 def whole_photo(photo_size: tuple[int, int]) -> tuple[float, float, float, float]:
-    """The window of a map that covers all of the photo."""
+    """The window x0, y0, x1, y1 that is the whole photo."""
     return 0.0, 0.0, float(photo_size[1]), float(photo_size[0])
 
 
 def window_of(crop: Crop, photo_size: tuple[int, int], size: tuple[int, int]) -> tuple[slice, slice]:
-    """Rows and columns of a copy (h, w) of the photo about a crop, however it is turned."""
+    """Rows and columns, in a copy (h, w) of the photo, of the upright box around a crop, clipped to the copy.
+
+    Args:
+        photo_size: (height, width).
+        size: (h, w).
+    """
     corners = crop.to_photo(np.array([[0, 0], [0, 1], [1, 0], [1, 1]]), 1) * (np.array(size) / photo_size)[::-1]
     start, end = np.clip(np.round([corners.min(0), corners.max(0)]), 0, size[::-1]).astype(int)
     return slice(start[1], end[1]), slice(start[0], end[0])
@@ -84,7 +89,7 @@ def window_of(crop: Crop, photo_size: tuple[int, int], size: tuple[int, int]) ->
 def spread_window(maps: np.ndarray, window: tuple[float, float, float, float], band: Band) -> np.ndarray:
     """Maps that cover a window of the photo, resampled bilinearly at every pixel of a band; edges are replicated.
 
-    In a picture smaller than the photo the window is rounded to whole pixels of the picture.
+    The window is rounded to whole pixels of the picture.
 
     Args:
         maps: (h, w) or (h, w, C).
@@ -138,7 +143,7 @@ def spread_crop(maps: np.ndarray, crop: Crop, band: Band) -> np.ndarray:
         flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
         borderMode=cv2.BORDER_REPLICATE,
     )
-    # OpenCV rounds positions to fractions of a pixel, counted from the first column: all columns are made, and then
+    # OpenCV rounds positions to fractions of a pixel, counted from the first column. So all columns are made and then
     # cut, so that a pixel is the same in every band.
     return wide[:, slice(*band.span)]
 
@@ -146,7 +151,7 @@ def spread_crop(maps: np.ndarray, crop: Crop, band: Band) -> np.ndarray:
 def unit_matrix(crop: Crop, size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
     """(2, 3) affine map from pixel positions in a picture of the photo to [0, 1] across and down a crop.
 
-    It says where `spread_crop` puts the crop's maps.
+    It agrees with `spread_crop`, so the window is rounded to pixels of the picture.
     """
     if crop.roll_deg == 0:
         x0, y0, x1, y1 = _on_pixels(crop.window, size, photo_size)
@@ -156,11 +161,14 @@ def unit_matrix(crop: Crop, size: tuple[int, int], photo_size: tuple[int, int]) 
 
 
 def update_nearest(view: Crop, band: Band, nearest: np.ndarray) -> np.ndarray:
-    """Where a view's middle is nearer than that of any view before, (h, w) bool.
+    """Find the pixels of a band that are nearer to the centre of this view than to that of any view before.
 
     Args:
-        nearest: (h, w) float32, the distance to the nearest middle so far, in sides of that view (Chebyshev distance);
-            lowered in place to this view's.
+        nearest: (h, w) float32, the Chebyshev distance to the nearest centre so far, in sides of its view; updated in
+            place.
+
+    Returns:
+        (h, w) bool.
     """
     matrix = unit_matrix(view, band.size, band.photo_size)
     y = np.arange(band.top, band.bottom, band.step, dtype=np.float64)[:, None] + 0.5
@@ -180,7 +188,7 @@ def seen_across(view: Crop, size: int, maps: np.ndarray, other: Crop, into: np.n
 
     Args:
         view, other: where in the photo the result and the maps lie.
-        into: float32 of the result's shape, to be filled with it.
+        into: float32 array of the result's shape, to be filled instead of a new one.
     """
     matrix = _square(other.from_photo_matrix(maps.shape[0])) @ _square(_to_photo(view, size))
     return _looked_up(maps, matrix, size, into)
@@ -204,14 +212,19 @@ def places_of(size: tuple[int, int], extent: tuple[int, int]) -> np.ndarray:
 
     Args:
         size: (h, w), the grid's.
-        extent: (height, width) of what it covers, in whose units the positions are.
+        extent: (height, width) of the area that it covers, in the units of the positions.
     """
     y, x = ((np.arange(count) + 0.5) * length / count for count, length in zip(size, extent, strict=True))
     return np.stack(np.meshgrid(x, y), axis=-1)
 
 
 def across_and_down(crop: Crop, size: tuple[int, int], photo_size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """(h, w) each: how far across and down a crop, in its sides, the middles of a grid's cells over a photo are."""
+    """Positions across and down a crop, in sides of it, of the cell centres of a grid over the photo, (h, w) each.
+
+    Args:
+        size: (h, w), the grid's.
+        photo_size: (height, width).
+    """
     x, y = ((np.arange(few) + 0.5) * many / few for few, many in zip(size[::-1], photo_size[::-1], strict=True))
     (x_across, y_across, left), (x_down, y_down, top) = crop.from_photo_matrix(1)
     return x_across * x + (y_across * y + left)[:, None], x_down * x + (y_down * y + top)[:, None]
@@ -222,9 +235,9 @@ def fade(position: np.ndarray, width: float, before: float = np.inf, after: floa
 
     Args:
         position: of any shape; the view is [0, 1].
-        before, after: how much of the photo lies beyond the low and the high end, in units of the position. An end
-            fades over four times that at the most: where a single pixel lies beyond, hardly any of the view fades, and
-            where nothing does, none.
+        width: of the fade, in units of the position.
+        before, after: how much of the photo lies beyond the low and the high end, in the same units. An end fades over
+            at most four times that: if a single pixel lies beyond it, hardly at all, and if nothing does, not at all.
 
     Returns:
         float32 of the position's shape, in [0, 1].
@@ -252,7 +265,7 @@ def _whole(low: float, high: float) -> tuple[int, int]:
 
 
 def _looked_up(maps: np.ndarray, matrix: np.ndarray, size: int, into: np.ndarray | None) -> np.ndarray:
-    """Maps at (size, size) places; the (3, 3) matrix takes those to the maps, in pixel edges. Borders continue."""
+    """Maps resampled on a size x size grid; the (3, 3) matrix maps the grid to the maps, both in pixel edges."""
     centred = matrix[:2].copy()
     centred[:, 2] += centred[:, :2] @ [0.5, 0.5] - 0.5
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP

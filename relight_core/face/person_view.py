@@ -1,4 +1,4 @@
-"""The part of a photo in which the person network looks for the person whose face has been found."""
+"""The part of a photo that the person network sees of the person whose face has been found."""
 
 from __future__ import annotations
 
@@ -10,22 +10,28 @@ from relight_core.face.crop import PADDED_PX, PADDING_PX, Crop, axes_in_photo
 from relight_core.face.paste import places_of
 
 FACE_SHARE = 1 - 2 * PADDING_PX / PADDED_PX
-"""Of the paper's crop."""
+"""Share of the paper's crop, along a side, that the face takes."""
 
 _ACROSS, _WIDER_ACROSS = 3.4, 4.8
+"""Widths of the two views, in faces."""
 _DOWN, _LOWER = 0.35, 0.39
+"""A view's centre lies below the face's by the first number of faces, and by the second more for each face of width
+beyond 3.4."""
 _MUCH_WIDER = 1.15
+"""A wider view is worth looking at if it is at least so many times as wide."""
 
 
 def person_view(crop: Crop, photo_size: tuple[float, float], faces_across: float = _ACROSS) -> Crop:
-    """The view about the crop of a face (paper, section 3.2): so many faces wide, or as wide as the photo is.
+    """The view around a face: `faces_across` faces wide, or as wide as the photo if that is less.
 
-    Shoulders are wider than hair is high, so its middle lies below the face's, and the lower the wider it is. It is
-    turned as the crop is, and moved to stay within the photo, or the upright box about a turned one, as far as it can.
+    Its centre lies below the face's, since there is more to see of shoulders than of hair, and the lower the wider it
+    is. It has the crop's roll, and is shifted so that as much of it as possible lies within the photo, or within the
+    box around the photo that has the same roll.
 
     Args:
+        crop: the paper's crop of the face (section 3.2).
         photo_size: (height, width).
-        faces_across: at least 3.4, in which a head and shoulders are seen.
+        faces_across: at least 3.4, which shows head and shoulders.
     """
     height, width = photo_size
     face = crop.side * FACE_SHARE
@@ -41,37 +47,41 @@ def person_view(crop: Crop, photo_size: tuple[float, float], faces_across: float
 
 
 def upright(crop: Crop) -> Crop:
-    """A crop turned as the photo lies, and not as the head leans: heads lean farther than bodies do."""
+    """The crop with its roll rounded to a quarter turn, as the photo is oriented: bodies lean less than heads."""
     return replace(crop, roll_deg=90.0 * round(crop.roll_deg / 90))
 
 
 def wider_view(crop: Crop, photo_size: tuple[float, float]) -> Crop | None:
-    """A view about the crop of a face for what of a body is out of sight in its `person_view`, down to the hips.
-
-    None where little more of the photo would be seen in it.
+    """A view around a face that shows the body down to the hips, more than `person_view` does.
 
     Args:
         crop: an `upright` one.
         photo_size: (height, width).
+
+    Returns:
+        None if it would show little more of the photo.
     """
     view = person_view(crop, photo_size, _WIDER_ACROSS)
     return view if view.side > _MUCH_WIDER * person_view(crop, photo_size).side else None
 
 
 def _kept_within(middle: float, side: float, length: float) -> float:
-    """Where a window's middle goes, both counted from the middle of what it shall stay within."""
+    """A window's centre, shifted so that its side stays within a length; positions count from the length's middle."""
     slack = max(length - side, 0) / 2
     return min(max(middle, -slack), slack)
 
 
 def inside_photo(view: Crop, photo_size: tuple[float, float], size: int) -> np.ndarray:
-    """(size, size) float32: 1 where a pixel of a view lies within a photo of (height, width)."""
+    """(size, size) float32: 1 where a view's pixel lies within a photo of (height, width), elsewhere 0."""
     height, width = photo_size
     at = view.to_photo(places_of((size, size), (size, size)), size)
     return ((at >= 0) & (at < [width, height])).all(-1).astype(np.float32)
 
 
 def face_in_view(view: Crop, crop: Crop, size: int) -> np.ndarray:
-    """(size, size) float32: 1 in the square of the face that is meant, which lies in the middle of its crop."""
+    """(size, size) float32 over a view: 1 in the square of the face in the middle of `crop`, elsewhere 0.
+
+    It tells the person network which of several people is meant.
+    """
     at = crop.from_photo(view.to_photo(places_of((size, size), (size, size)), size), 1)
     return (np.abs(at - 0.5) < FACE_SHARE / 2).all(-1).astype(np.float32)

@@ -1,4 +1,4 @@
-"""Probabilities out of a parsing that was learnt with the focal loss."""
+"""Calibrated probabilities from a parsing that was trained with the focal loss."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ _LEAST = 1e-6
 
 
 def posterior(parsing: np.ndarray) -> np.ndarray:
-    """How likely each class is, where the focal loss made the network say less than it knows.
+    """Undo the underconfidence that the focal loss teaches.
 
-    That loss is smallest where the likeliest class gets too little and all others too much: a pixel that is nine
-    tenths background is called seven tenths. What is likely follows from what is said (Charoenphakdee et al. 2021,
-    On focal loss for class-posterior probability estimation).
+    The loss is smallest if the likeliest class gets too low a probability and all others too high a one: for a pixel
+    that is nine tenths background it is seven tenths. The true probabilities can be computed from the network's
+    (Charoenphakdee et al. 2021, On focal loss for class-posterior probability estimation).
 
     Args:
         parsing: (classes, ...) in [0, 1], the softmax of a network; sums to 1.

@@ -1,4 +1,4 @@
-"""The person as one solid shape: what a parsing map leaves out inside a head is head all the same."""
+"""The person as one solid shape, without the holes that a parsing leaves."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from relight_core.imaging.ramp import ramp
 _CLOSING_SHARE = 1 / 24
 """Gaps up to this share of the view's side are closed."""
 _FAINT_HAT, _PLAIN_HAT = 0.02, 0.032
-"""Mean probabilities of a hat over the view from which on there may be one, and is one."""
+"""Ramp of a hat's mean probability over the view: from the first on there may be one, from the second on there is."""
 _HAT_ODDS = 1.5
-"""By how much a hat raises the log odds of person well above the eyes."""
+"""A hat adds this to the log odds of person well above the eyes."""
 _RAMP_SHARE = 0.05
-"""How far above the eyes is well above them, as a share of the view's side."""
+"""Distance above the eyes over which the ramp of `rows_above_the_eyes` rises, as a share of the view's side."""
 _EYES = (*EYES, "glasses")
 _LEAST_EYES = 5e-4
-"""Share of the view that eyes or glasses fill, at the least, for their row to be known."""
+"""Share of the view that eyes or glasses must cover for their row to be known."""
 
 
 def solid_person(parsing: np.ndarray) -> np.ndarray:
@@ -30,7 +30,7 @@ def solid_person(parsing: np.ndarray) -> np.ndarray:
         parsing: (classes, S, S) probabilities.
 
     Returns:
-        (S, S) float32 in [0, 1]; the parsing's own where it finds no face.
+        (S, S) float32 in [0, 1]; if there is no face, the parsing's own probability of person.
     """
     person = np.clip(1 - parsing[INDEX["background"]], 0, 1).astype(np.float32)
     face = parsing[list(FACE_LABELS)].sum(0) > 0.5
@@ -48,13 +48,13 @@ def solid_person(parsing: np.ndarray) -> np.ndarray:
 
 
 def person_with_headwear(parsing: np.ndarray) -> np.ndarray:
-    """Probability of person, raised above the eyes where the parsing sees a hat, however faintly.
+    """Probability of person, raised above the eyes if the parsing sees a hat, however faintly.
 
-    A large or unusual hat is taken for background more often than not. A mean probability of "hat" of a few hundredths
-    over the view gives it away: that of bare heads is lower.
+    Large or unusual hats are mostly taken for background. But they give the class "hat" a mean probability of a few
+    hundredths over the view, and bare heads less.
 
     Args:
-        parsing: (classes, S, S) as the softmax of the de-lighting network says it (see `face.posterior`).
+        parsing: (classes, S, S), the softmax of the de-lighting network, not yet through `face.posterior`.
 
     Returns:
         (S, S) float32 in [0, 1].
@@ -69,14 +69,17 @@ def person_with_headwear(parsing: np.ndarray) -> np.ndarray:
 
 
 def rows_above_the_eyes(parsing: np.ndarray) -> np.ndarray:
-    """(S, 1) float32 of a parsing (classes, S, S): 0 from eyes or glasses down, 1 well above; 0 where none are seen."""
+    """A ramp over the rows of a parsing (classes, S, S), (S, 1) float32: 0 from the eyes or glasses down, 1 well above.
+
+    Without visible eyes or glasses it is 0 everywhere.
+    """
     rows = np.arange(parsing.shape[1], dtype=np.float32)[:, None]
     eyes = middle_row(parsing, _EYES, _LEAST_EYES * len(rows) ** 2)
     return np.zeros_like(rows) if eyes is None else np.clip((eyes - rows) / (_RAMP_SHARE * len(rows)), 0, 1)
 
 
 def _without_holes(body: np.ndarray) -> np.ndarray:
-    """Close gaps up to a small share of the image, then fill what is enclosed."""
+    """A mask (S, S) with small gaps closed and then all enclosed holes filled."""
     size = len(body)
     kernel = disc(size * _CLOSING_SHARE / 2)
     span = len(kernel)

@@ -1,4 +1,4 @@
-"""Where to look for a face that no cascade sees: squares over the whole photo, for a parsing to judge."""
+"""Squares over the whole photo in which a parsing can search for a face that no cascade sees."""
 
 from __future__ import annotations
 
@@ -7,13 +7,15 @@ import numpy as np
 from relight_core.face.crop import Crop
 
 _SHARES = (1.0, 0.5)
+"""Sides of the squares, in shorter sides of the photo."""
 _MOST_STEPS = 9
+"""Steps from the first square along a side to the last."""
 
 
 def search_windows(photo_size: tuple[int, int]) -> list[Crop]:
-    """Squares as large as the photo is narrow, then half as large, each half beside the next.
+    """Squares as wide as the photo's shorter side, then half as wide, each overlapping the next by half.
 
-    Along a photo that is very long for its width there are ten at the most, evenly spread, with gaps between them.
+    In a very long photo there are at most ten along the longer side, evenly spaced, with gaps between them.
 
     Args:
         photo_size: (height, width).
@@ -27,6 +29,6 @@ def search_windows(photo_size: tuple[int, int]) -> list[Crop]:
 
 
 def _centres(length: int, side: float) -> np.ndarray:
-    """Middles of windows along a length, from border to border."""
+    """Centres of the windows along a length, from border to border."""
     steps = min(int(np.ceil(2 * (length - side) / side)), _MOST_STEPS)
     return np.round(np.linspace(side / 2, length - side / 2, steps + 1)) if steps > 0 else np.array([length / 2])
