@@ -1,4 +1,4 @@
-"""Where the relief can be trusted with the details of a shadow."""
+"""Where the relief is accurate enough for sharp shadow edges: on bare skin, away from its borders."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ from relight_core.face.parsing import FACE_LABELS, INDEX, MOUTH
 from relight_core.imaging.tensor_constants import constant
 
 _MARGIN_PX = 5
+"""Side of the window whose mean share of skin tells how far within the skin a pixel lies."""
 _MOUTH = {INDEX[name] for name in MOUTH}
 _SKIN = tuple(sorted({*FACE_LABELS, INDEX["neck"]} - _MOUTH))
 
 
 def bare_skin(parsing: torch.Tensor) -> torch.Tensor:
-    """(B, 1, H, W) in [0, 1]: well within the face and the neck, the mouth left out.
+    """(B, 1, H, W) in [0, 1]: 1 well within the face and the neck, without the mouth.
 
-    Where a strand of hair, a collar or a tooth stands out, and by how much, the relief only guesses, pixel by pixel;
-    its edges there would be notches.
+    Elsewhere the relief only guesses, pixel by pixel, how far a strand of hair, a collar or a tooth stands out. Sharp
+    shadow edges there would be jagged.
 
     Args:
         parsing: (B, classes, H, W) probabilities.

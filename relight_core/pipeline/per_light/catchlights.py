@@ -1,9 +1,9 @@
-"""Catchlights: what the eyes mirror of a light, in place of what they mirrored when the photo was taken.
+"""Catchlights: the reflections of the new light in the eyes, in place of those in the photo.
 
-The cornea is a wet ball that mirrors 2.5 % of what is before it (refractive index 1.376), so that little but lamps is
-seen in it. What comes from everywhere alike is in the photo of the eye already and changes with its gain; what a
-light has beyond that is mirrored here, as sharply as the photo shows the eye. Under the light that the photo was taken
-in its own stay, which are finer than any estimate of that light.
+The cornea is a wet ball that mirrors 2.5 % of what is in front of it (refractive index 1.376), so little but lamps can
+be seen in it. The even part of a light is already in the photo of the eye and changes with its gain; what exceeds it is
+mirrored here, as sharply as the photo shows the eye. Under the photo's own light its own catchlights stay, since they
+are finer than any estimate of that light.
 """
 
 from __future__ import annotations
@@ -32,21 +32,23 @@ from relight_core.pipeline.per_photo.corneas import Cornea
 from relight_core.pipeline.stages import Surface
 
 _BLUR = 0.012
-"""Of an eye's square: lenses are no sharper."""
+"""Standard deviation of the lens's blur, as a share of the eye's square."""
 _FEWEST_ROWS, _MOST_ROWS = 16, 256
+"""Of the panorama that an eye mirrors."""
 _ANOTHER_LIGHT = 0.1
-"""Share of its light that lies elsewhere than the photo's own did, from which on a light is altogether another."""
+"""If at least this share of a light comes from elsewhere than the photo's own, it counts wholly as another light."""
 _LEAST_OPEN = 1e-9
+"""Response of an eye to a texel below which the texel counts as hidden."""
 
 
 @dataclass(frozen=True, eq=False)
 class Catchlight:
-    """What a light does in one eye.
+    """The reflection of a light in one eye.
 
     Attributes:
-        cornea: of it.
-        mirrored: (E, E, 3) float32 linear, what it mirrors of a light of mean luminance 1.
-        replaces: in [0, 1] how far that takes the place of what the photo shows.
+        cornea: the eye's.
+        mirrored: (E, E, 3) float32 linear radiance that it mirrors of a light of mean luminance 1.
+        replaces: in [0, 1], the degree to which this replaces the photo's own catchlights.
     """
 
     cornea: Cornea
@@ -54,28 +56,29 @@ class Catchlight:
     replaces: float
 
     def times(self, gloss: np.ndarray, monochrome: bool = False) -> Catchlight:
-        """The same at a light's level and the sliders' gain on gloss, (1,) or (3,) together."""
+        """The catchlight times a gain, (1,) or (3,): the light's level times the sliders' gain on gloss."""
         mirrored = gloss * self.mirrored
         return replace(self, mirrored=without_colour(mirrored) if monochrome else mirrored)
 
     def change(self, gain: np.ndarray) -> np.ndarray:
-        """(E, E, 3) what it adds to the relit picture.
+        """What is added to the relit picture, (E, E, 3): the new catchlights minus the relit old ones.
 
         Args:
-            gain: (E, E, 3) by which the photo's colours are multiplied there.
+            gain: (E, E, 3) by which the photo is multiplied there.
         """
         return np.float32(self.replaces) * (self.mirrored - gain * self.cornea.mirrored)
 
 
 @dataclass(frozen=True, eq=False)
 class EyeSky:
-    """From where light reaches an eye by the relief, whatever the light.
+    """The directions from which light reaches an eye, according to the relief; independent of the light.
 
     Attributes:
-        unshadowed, shadowed: (texels,) of the relief's transport, at the eye.
-        seen: (h, 2h) share in [0, 1] of what comes from each direction that reaches it, in the photo's camera space.
-        place: rows and columns of the surface in which its iris lies.
-        weights: (rows, columns) float32, how far each of their pixels is iris; sum 1, or 0 where it lies beyond.
+        unshadowed, shadowed: (texels,) of the relief's transport, averaged over the iris.
+        seen: (h, 2h) in [0, 1], visibility of each direction from the eye, in the photo's camera space.
+        place: rows and columns of the surface that contain the iris.
+        weights: (rows, columns) float32, the share of each of these pixels that is iris, scaled to a sum of 1; all 0 if
+            the iris is outside the view.
     """
 
     unshadowed: torch.Tensor
@@ -87,11 +90,11 @@ class EyeSky:
 
 @dataclass(frozen=True, eq=False)
 class LitEye:
-    """The light about one eye.
+    """What reaches one eye of a light.
 
     Attributes:
-        seen: as of `EyeSky`, in the light in force.
-        evenly: (3,) mean radiance that reaches it, of a light of mean luminance 1.
+        seen: as of `EyeSky`, corrected by what the networks say of this light.
+        evenly: (3,) mean radiance that reaches the eye, of a light of mean luminance 1.
     """
 
     seen: np.ndarray
@@ -99,22 +102,25 @@ class LitEye:
 
 
 def name_of_mirrored(environment: Environment) -> Hashable:
-    """Names what eyes can mirror of a light, whatever its level, by its contents.
+    """A cache key for what eyes can mirror of a light, whatever its level.
 
-    That is small: to name a whole panorama takes longer than to mirror it.
+    It is the hash of a small copy, since hashing a whole panorama takes longer than mirroring it.
     """
     return environment.of_shape("mirrored, named", lambda _: blake2b(_as_fine_as_eyes(environment).tobytes()).digest())
 
 
 def _as_fine_as_eyes(environment: Environment) -> np.ndarray:
-    """(h, 2h, 3) of the finest that any eye mirrors."""
+    """The light's shape at the highest resolution that any eye mirrors, (h, 2h, 3)."""
     return environment.of_shape(
         "mirrored", lambda shape: shrink(shape, _MOST_ROWS) if len(shape) > _MOST_ROWS else shape
     )
 
 
 def _mirrored_by(cornea: Cornea, environment: Environment) -> np.ndarray:
-    """(h, 2h, 3) whose texels are no smaller than what lies between two normals: none may fall between them."""
+    """The light's shape with texels at least as large as the step between two normals' mirrored directions, (h, 2h, 3).
+
+    A lamp in a smaller texel could fall between two normals.
+    """
     step_deg = np.degrees(2 * float(np.abs(np.diff(cornea.normal[0], axis=1)).max()))
     finest, rows = _as_fine_as_eyes(environment), _FEWEST_ROWS
     while 2 * rows <= min(180 / max(step_deg, 1e-3), len(finest)):
@@ -123,7 +129,7 @@ def _mirrored_by(cornea: Cornea, environment: Environment) -> np.ndarray:
 
 
 def how_much_another(light: np.ndarray, own: np.ndarray) -> float:
-    """How far a light is another than the photo's own, [0, 1]; both (16, 32, 3), of any level."""
+    """How different a light's distribution over the sphere is from the photo's own, [0, 1]; both (16, 32, 3)."""
     areas = solid_angles(*light.shape[:2])
     one, other = (luminance(part) * areas for part in (light, own))
     apart = np.abs(one / max(one.sum(), 1e-12) - other / max(other.sum(), 1e-12)).sum() / 2
@@ -131,11 +137,12 @@ def how_much_another(light: np.ndarray, own: np.ndarray) -> float:
 
 
 def sky_over(cornea: Cornea, view: Crop, transport: ReliefTransport, size: int) -> EyeSky:
-    """What the relief leaves of the sky over an eye.
+    """What an eye sees of the sphere past the relief.
 
     Args:
-        view: of the relief, and of the surface.
-        size: of the surface.
+        view: of the relief and the surface.
+        transport: of the relief.
+        size: S, of the surface.
     """
     points = torch.from_numpy(_weights(cornea, view, transport.size).ravel())
     at = points.nonzero()[:, 0]
@@ -155,27 +162,27 @@ def sky_over(cornea: Cornea, view: Crop, transport: ReliefTransport, size: int) 
 def light_about(
     sky: EyeSky, surface: Surface, effects: Effects, reflected: torch.Tensor, light: torch.Tensor
 ) -> LitEye:
-    """What reaches an eye of a light, as the relief and the networks have it.
+    """What reaches an eye of a light, by relief and networks together.
 
     Args:
-        effects, reflected: as of `hints.explicit_sum`, of the light.
-        light: (1, 16, 32, 3) as the view sees it.
+        effects, reflected: as of `hints.explicit_sum`, under the light.
+        light: (1, 16, 32, 3) in the view's camera space.
     """
     flat = light.float().reshape(-1, 3).cpu()
     evenly, unshadowed = sky.shadowed @ flat, float((sky.unshadowed @ flat).sum())
-    # What the networks know to be in shadow, of a brim or a nose, mirrors no lamp either.
+    # If the networks say that the eye lies in shadow, of a brim or a nose, it mirrors no lamp either.
     reaches = 1 - _hidden_at(sky, surface, effects, reflected)
     agreed = min(1.0, reaches * unshadowed / max(float(evenly.sum()), 1e-12))
     return LitEye(np.float32(agreed) * sky.seen, evenly.numpy())
 
 
 def in_the_open(light: torch.Tensor) -> LitEye:
-    """What reaches an eye of a light (1, h, 2h, 3) that nothing hides."""
+    """What reaches an eye of a light (1, h, 2h, 3) without any occlusion."""
     return LitEye(np.ones(light.shape[1:3], np.float32), mean_radiance(light[0].cpu().numpy()).astype(np.float32))
 
 
 def _hidden_at(sky: EyeSky, surface: Surface, effects: Effects, reflected: torch.Tensor) -> float:
-    """Share of the diffuse light that an eye does not get."""
+    """Share of the diffuse light that is hidden from an eye."""
     parts = surface.albedo, reflected, effects.specular, effects.shadow
     albedo, reflected, specular, shadow = (part[..., *sky.place] for part in parts)
     hidden = hidden_share(Effects(specular, shadow), grey(albedo * reflected[:, :3]), grey(reflected[:, 3:]))
@@ -183,11 +190,11 @@ def _hidden_at(sky: EyeSky, surface: Surface, effects: Effects, reflected: torch
 
 
 def mirrored_light(cornea: Cornea, eye: LitEye, environment: Environment, yaw_deg: float) -> np.ndarray:
-    """(E, E, 3) radiance that an eye mirrors of a light of mean luminance 1, beyond what comes evenly.
+    """Radiance (E, E, 3) that an eye mirrors of a light of mean luminance 1, beyond the light's even part.
 
     Args:
-        environment: the light; its level is not read.
-        yaw_deg: its turn.
+        environment: the light, whose level is ignored.
+        yaw_deg: its rotation.
     """
     across, down = cornea.mirrored_places
     radiance = _looked_up(_mirrored_by(cornea, environment), across - np.float32(yaw_deg / 360), down)
@@ -202,7 +209,7 @@ def mirrored_light(cornea: Cornea, eye: LitEye, environment: Environment, yaw_de
 
 
 def _weights(cornea: Cornea, view: Crop, size: int) -> np.ndarray:
-    """(size, size) float32, sum 1: which pixels of a view an iris lies in; 0 where it lies beyond it."""
+    """The share of each pixel of a view that is iris, scaled to a sum of 1, (size, size) float32; 0 if none is."""
     iris = cornea.iris
     x, y = view.from_photo(np.array([iris.x, iris.y]), size) - 0.5
     place, radius = np.arange(size), max(iris.radius * size / view.side, 1.0)
@@ -211,7 +218,11 @@ def _weights(cornea: Cornea, view: Crop, size: int) -> np.ndarray:
 
 
 def _looked_up(panorama: np.ndarray, across: np.ndarray, down: np.ndarray) -> np.ndarray:
-    """A panorama at places on it, bilinearly, (h, w) or (h, w, 3); shares of its width go round."""
+    """Bilinear look-up in a panorama, (h, w) or (h, w, 3).
+
+    Args:
+        across, down: shares of its width, which is periodic, and of its height.
+    """
     height, width = panorama.shape[:2]
     wrapped = np.concatenate([panorama[:, -1:], panorama, panorama[:, :1]], axis=1).astype(np.float32)
     column, row = np.mod(across, 1) * width + 0.5, down * height - 0.5

@@ -1,10 +1,10 @@
-"""Edges of small lamps' shadows, finer than the networks see a face.
+"""Edges of small lamps' shadows at a higher resolution than the networks'.
 
-A nose's shadow under a bare bulb ends within a millimetre or two, a pixel of the networks within three, and what is
-enlarged from such pixels ends within ten. The horizon of the relief is smooth where a shadow ends, as the lamp goes
-down behind the nose little by little: so it is enlarged instead, compared with the lamp's disc afterwards, and what
-is lit differently by that is brightened or darkened in the enlarged picture. How deep a shadow is, and whether there
-is one, has been decided before (see `hard_shadow`).
+A nose's shadow under a bare bulb ends within one or two millimetres. The networks' pixels cover three, and an edge
+that is upsampled from them takes ten. But the horizon of the relief is smooth where a shadow ends, because the lamp
+sets gradually behind the nose. So the horizon is upsampled instead and compared with the lamp's disc afterwards, and
+the upsampled picture is brightened or darkened by the difference. Whether there is a shadow, and how deep it is, has
+been decided before (see `hard_shadow`).
 """
 
 from __future__ import annotations
@@ -21,26 +21,27 @@ from relight_core.lighting.lamps import Lamp
 from relight_core.pipeline.per_light.hints import light_left
 
 _NO_EDGE = 0.02
-"""Differences of what a lamp's shadow hides, from pixel to pixel, that are none, and shares too small to be seen."""
+"""Smaller differences between neighbouring pixels are no edge, and shadows of less of the light can't be seen."""
 _AROUND = np.ones((5, 5), np.uint8)
-"""A shadow is nowhere deeper, and light nowhere brighter, than so many of the networks' pixels around."""
+"""Window, in the networks' pixels, whose darkest and brightest values limit the result."""
 _ALWAYS_LEFT = 0.03
-"""Share of a surface's light that is never quite hidden: composition has learnt that it is thrown back. Where 0.085
-are left by the shadow, pictures of skin have a tenth of the lit skin's brightness, and eyes an eighth."""
+"""Share of a surface's light that a shadow never takes: composition has learnt that some is reflected into it. Where
+0.085 are left of the light, skin has a tenth of lit skin's brightness in the picture, and eyes an eighth."""
 _MOST_TIMES = 4.0
+"""Largest gain."""
 _SOFT = 0.1
-"""Softness of shadows from which on their edges are as soft as the networks' pixels."""
+"""From this softness of shadows on, their edges are not drawn more finely than the networks' pixels."""
 
 
 @dataclass(frozen=True, eq=False)
 class LampEdge:
-    """The edge of one lamp's shadow, at the networks' size; maps (s, s) float32 in [0, 1].
+    """The edge of one lamp's shadow at the networks' size; maps (s, s) float32 in [0, 1].
 
     Attributes:
-        lamp: as the view is turned.
-        counts: share of all diffuse light that is hidden where all of the lamp is and not where none of it is, as far
-            as geometry has a say.
-        lost: of the lamp's light, the share that is hidden.
+        lamp: in the view's camera space.
+        counts: by how much the hidden share of all diffuse light grows from where none of the lamp is hidden to where
+            all of it is, as far as geometry decides that.
+        lost: the share of the lamp's light that is hidden.
     """
 
     lamp: Lamp
@@ -54,9 +55,9 @@ class ShadowEdges:
 
     Attributes:
         horizon: of the relief.
-        of_lamps: each lamp's.
+        of_lamps: the edge of each lamp's shadow.
         hidden: (s, s) float32 in [0, 1], share of all diffuse light that is hidden.
-        diffuse: (s, s) float32 >= 0, grey: albedo times irradiance where nothing is hidden.
+        diffuse: (s, s) float32 >= 0, luminance of albedo times unoccluded irradiance.
     """
 
     horizon: Horizon
@@ -67,11 +68,11 @@ class ShadowEdges:
 
 @dataclass(frozen=True, eq=False)
 class FineEdges:
-    """What shadows hide, enlarged.
+    """The hidden light at the picture's resolution.
 
     Attributes:
-        coarse, fine: (S, S) float32 in [0, 1], share of all diffuse light that is hidden, with edges as enlarging
-            makes them, and finer.
+        coarse, fine: (S, S) float32 in [0, 1], share of all diffuse light that is hidden: upsampled, and with edges
+            drawn at this size.
         diffuse: (s, s), as of `ShadowEdges`.
     """
 
@@ -80,11 +81,11 @@ class FineEdges:
     diffuse: np.ndarray
 
     def gain(self, shadow_gain: float, softness: float) -> np.ndarray:
-        """By what to multiply an enlarged picture for it to have the finer edges, (S, S, 3) in [0, 4].
+        """The gain that gives an upsampled picture the finer edges, (S, S, 3) in [0, 4].
 
         Args:
-            shadow_gain, softness: where the shadow's sliders stand, [0, 2] and [0, 1]. A shadow that is taken away
-                has no edge, and a soft one no fine edge.
+            shadow_gain, softness: the values of the shadow's sliders, [0, 2] and [0, 1]. A shadow that is removed has
+                no edge, and a soft one no fine edge.
         """
         fine = self.coarse + np.float32(_sharp(softness)) * (self.fine - self.coarse)
         before, after = (light_left(hidden, shadow_gain) for hidden in (self.coarse, fine))
@@ -92,7 +93,7 @@ class FineEdges:
         return cv2.merge((gain,) * 3)
 
     def more_shadow(self) -> np.ndarray:
-        """What the finer edges add to the shadow channel or take from it, (S, S), in units of the normalised light."""
+        """What the finer edges add to the shadow channel, (S, S) of either sign, in units of the normalised light."""
         return (self.fine - self.coarse) * resize_smooth(self.diffuse, self.coarse.shape)
 
 
@@ -101,11 +102,12 @@ def draw_finely(
     upsample: Callable[[np.ndarray], np.ndarray],
     evened: Callable[[np.ndarray], np.ndarray] = np.asarray,
 ) -> FineEdges:
-    """Enlarge what shadows hide, and draw their edges at that size.
+    """Upsample the hidden light, and draw the edges of shadows at that size.
 
     Args:
-        upsample: enlarges maps (s, s, C) as the picture is enlarged, to (S, S, C).
-        evened: a map (s, s) as even as the picture's gain is made.
+        edges: at the networks' size.
+        upsample: upsamples maps (s, s, C) to (S, S, C) in the same way as the picture.
+        evened: smooths a map (s, s) in the same way as the picture's gain.
     """
     lost_before = [evened(edge.lost) for edge in edges.of_lamps]
     coarse, *lost_enlarged = cv2.split(upsample(np.dstack([evened(edges.hidden), *lost_before])))
@@ -122,7 +124,7 @@ def draw_finely(
 
 
 def _ending(edge: LampEdge, evened: np.ndarray) -> np.ndarray:
-    """Where a lamp's shadow ends and that can be seen, (s, s) float32, 0 or 1; all else is left as it is."""
+    """Where a lamp's shadow ends visibly, (s, s) float32, 0 or 1; nothing is changed elsewhere."""
     window = np.ones((3, 3), np.uint8)
     brightest, darkest = np.minimum(edge.lost, evened), np.maximum(edge.lost, evened)
     differs = cv2.dilate(darkest, window) - cv2.erode(brightest, window)
@@ -130,4 +132,5 @@ def _ending(edge: LampEdge, evened: np.ndarray) -> np.ndarray:
 
 
 def _sharp(softness: float) -> float:
+    """The weight of the fine edges, from 1 without softness to 0 at `_SOFT`."""
     return max(1.0 - softness / _SOFT, 0.0)

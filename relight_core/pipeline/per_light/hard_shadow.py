@@ -1,17 +1,17 @@
-"""Shadows with the edges that small lamps give them.
+"""Sharp shadows of small lamps.
 
-The SS network sees a light in texels of 11 degrees and a relief marched as coarsely, and has learnt to hedge: a sun's
-shadow comes out in the right place, but pale, with a soft edge. The network knows whether there is a shadow, geometry
-knows where it ends. So where a light has small lamps and the network sees their shadow, the same relief is marched
-again, finely and for exactly their direction and size. The result replaces the network's, and light that lit skin
-throws into the shadow is added (`skin_bounce`).
+The SS network sees a light in texels of 11 degrees, and the shadow of a relief that was marched as coarsely. It has
+learnt to hedge: a sun's shadow comes out in the right place, but pale and with a soft edge. So the network decides
+whether there is a shadow, and geometry where it ends. If a light has small lamps and the network sees their shadow, the
+same relief is marched again, at a higher resolution and for exactly their direction and size. The result replaces the
+network's, and light that lit skin reflects into the shadow is added (`skin_bounce`).
 
-The light is split into its lamps and the rest of it. What arrives of the rest in a lamp's shadow is a small difference
-of two large numbers, all light and the hidden part of it; the smaller the rest is, the more the relief decides about
-that too.
+For this the light is split into its lamps and the rest. How much of the rest arrives in a lamp's shadow is a small
+difference of two large numbers, all light and the hidden part of it. The smaller the rest, the more the relief decides
+about that too.
 
-Throughout, a lamp's *part* is its share of all light where nothing is hidden, once for the diffuse light and once for
-the gloss, and *lost* is the share of its part that is hidden, which is the same for both.
+Terms: a lamp's *part* is its share of all unoccluded light, once for the diffuse light and once for the gloss. *Lost*
+is the share of a lamp that is hidden, the same for both.
 """
 
 from __future__ import annotations
@@ -42,29 +42,29 @@ from relight_core.pipeline.per_light.skin_bounce import skin_bounce, thrown_back
 from relight_core.pipeline.stages import Surface
 
 _SURE = 0.5
-"""Share of a lamp's light that the network takes for hidden from which on geometry alone decides."""
+"""If the network takes at least this share of a lamp's light to be hidden, geometry alone decides."""
 _DOUBT = 0.05
-"""What is added to both shares where the network's hidden light is divided among lamps: where the relief hides next to
-nothing of any, each gets its part."""
+"""Added to numerator and denominator when the network's hidden light is divided among lamps: if the relief hides next
+to nothing of any lamp, each gets its part."""
 _SMALL_REST = 0.2
-"""The rest of the light, as a share of all, for which network and relief are trusted alike."""
+"""Rest of the light, as a share of all light, at which network and relief have equal weight about that rest."""
 _NO_GLOSS, _NO_LIGHT = 1e-6, 1e-12
-"""Divisors are no smaller than that."""
+"""Smallest divisors."""
 _GRAZING = 0.01
-"""Added to a lamp's cosine: texels of 11 degrees give some of its light to what just faces away from it."""
+"""Added to the cosine at a lamp, since texels of 11 degrees also light what just faces away from it."""
 
 
 @dataclass(frozen=True, eq=False)
 class LampsView:
-    """A surface made ready for small lamps.
+    """What small lamps need of a surface, computed once for all lights.
 
     Attributes:
         horizon: of its relief.
-        bounce: from it to its skin.
-        transport: of the same relief, as coarse as the network is told of it.
-        reflect: gives what the surface reflects of a light, as of `stages.reflect`. A lamp's irradiance is taken from
-            its texels of 11 degrees, as all light's is, and not from its cosine: at grazing angles the two differ.
-        roll_deg: how far the view is turned in the photo, as `Crop.roll_deg`; the surface is turned already.
+        bounce: interreflection from the surface to its bare skin.
+        transport: of the same relief, as coarse as in the network's input.
+        reflect: what the surface reflects of a light, as `stages.reflect`. A lamp's irradiance comes from its texels of
+            11 degrees, like that of all light, and not from its cosine: at grazing angles the two differ.
+        roll_deg: of the view in the photo, as `Crop.roll_deg`; the surface is in the view's camera space.
     """
 
     horizon: Horizon
@@ -80,7 +80,7 @@ def ready_for_lamps(
     reflect: Callable[[torch.Tensor], torch.Tensor],
     roll_deg: float = 0.0,
 ) -> LampsView:
-    """Make a surface ready to be asked for the shadows of small lamps, whatever its albedo; see `LampsView`."""
+    """Prepare a surface for the shadows of small lamps; independent of its albedo."""
     horizon = Horizon(as_image(surface.relief), as_image(surface.person) > 0.5)
     return LampsView(horizon, skin_bounce(surface), transport, reflect, roll_deg)
 
@@ -94,12 +94,13 @@ def harden_shadow(
     view: LampsView,
     lamps: Sequence[Lamp],
 ) -> Effects:
-    """The effects with edges in the shadow of every lamp, and in that of the lamp's gloss.
+    """The effects with sharp edges in the shadow of every lamp, in the diffuse light and in the gloss.
 
     Args:
         effects, reflected: as of `hints.explicit_sum`.
-        light: (1, 16, 32, 3) that they are the effects of, as the view sees it.
-        view: of the surface, ready for lamps.
+        surface: under the light.
+        light: (1, 16, 32, 3) the light of these effects, in the view's camera space.
+        view: the surface, prepared by `ready_for_lamps`.
         lamps: of the light, in the camera space of the photo.
     """
     if not lamps:
@@ -133,10 +134,10 @@ class _Reach:
     """What the relief hides of each lamp, and of the rest of the light; maps (1, 1, S, S) in [0, 1].
 
     Attributes:
-        lost: of each lamp, the share that is hidden, as coarsely as the network is told.
-        lost_finely: the same, marched finely, with edges.
+        lost: for each lamp the share that is hidden, as coarsely as in the network's input.
+        lost_finely: the same with sharp edges, from the finely marched horizon.
         lost_rest: the share of the rest of the light that is hidden.
-        decides: of each lamp, how far geometry may decide: as far as the lamp is hard and the place is bare skin.
+        decides: for each lamp the weight of geometry: the lamp's hardness times how certainly a pixel is bare skin.
     """
 
     lost: Sequence[torch.Tensor]
@@ -146,19 +147,19 @@ class _Reach:
 
     @cached_property
     def lost_as_decided(self) -> Sequence[torch.Tensor]:
-        """Of each lamp, the share that is hidden, with edges as far as geometry may decide."""
+        """For each lamp the share that is hidden, with edges as sharp as the weight of geometry makes them."""
         of_each = zip(self.lost, self.lost_finely, self.decides, strict=True)
         return [torch.lerp(soft, edgy, decides) for soft, edgy, decides in of_each]
 
 
 @dataclass(frozen=True)
 class _Edged:
-    """What is hidden of the diffuse light or of the gloss, with edges; maps (1, 1, S, S).
+    """What is hidden of the diffuse light or of the gloss, with sharp edges; maps (1, 1, S, S).
 
     Attributes:
-        hidden: the share of all of it that is hidden, in [0, 1].
-        by_relief: the share that the relief alone hides.
-        counts: of each lamp, by how much more of all light is hidden where its whole disc is than where none of it is.
+        hidden: the share of it that is hidden, in [0, 1].
+        by_relief: the share that the relief alone would hide.
+        counts: for each lamp, as of `LampEdge.counts`.
     """
 
     hidden: torch.Tensor
@@ -167,10 +168,10 @@ class _Edged:
 
 
 def _without(light: torch.Tensor, lamps: Sequence[Lamp], power: Sequence[torch.Tensor]) -> torch.Tensor:
-    """The light (1, 16, 32, 3) without its lamps; each channel of a texel is dimmed by the same factor.
+    """The light (1, 16, 32, 3) without its lamps; all channels of a texel are dimmed by the same factor.
 
     Args:
-        power: of each lamp, (16, 32) where its light lies, see `footprint`.
+        power: for each lamp the distribution of its power over texels, (16, 32), see `footprint`.
     """
     radiance = grey(light.float().permute(0, 3, 1, 2))[0, 0]
     of_lamps = sum(share * (torch.pi * lamp.irradiance) for share, lamp in zip(power, lamps, strict=True))
@@ -186,7 +187,7 @@ def _reach(
     lamps: Sequence[Lamp],
     power: Sequence[torch.Tensor],
 ) -> _Reach:
-    """March the relief for the lamps and for the `rest` of their light, (1, 16, 32, 3); `power` as of `_without`."""
+    """What the relief hides of the lamps and of the `rest` of the light, (1, 16, 32, 3); `power` as of `_without`."""
     like = surface.relief
     rest = grey(rest.float().cpu().permute(0, 3, 1, 2))[0, 0]
     lost_rest, *lost = 1 - view.transport.visibility(torch.stack([rest, *power]), like.shape[-1]).to(like)
@@ -195,17 +196,17 @@ def _reach(
 
 
 def _lost(parts: Sequence[torch.Tensor], lost: Sequence[torch.Tensor], reach: _Reach) -> torch.Tensor:
-    """Share of all light that the relief hides, (1, 1, S, S), from each lamp's part and what is `lost` of it."""
+    """Share of all light that the relief hides, (1, 1, S, S), from each lamp's part and the share `lost` of it."""
     return sum(part * share for part, share in zip(parts, lost, strict=True)) + _rest(parts) * reach.lost_rest
 
 
 def _share_seen(
     lamps: Sequence[Lamp], parts: Sequence[torch.Tensor], reach: _Reach, hidden: torch.Tensor
 ) -> torch.Tensor:
-    """Share of the lamps' light that arrives, as far as the lamps are hard, (1, 1, S, S) in [0, 1].
+    """Share of the lamps' light that arrives, weighted by the lamps' hardness, (1, 1, S, S) in [0, 1].
 
     Args:
-        hidden: the share of all light that is hidden, which may be more than the relief knows of.
+        hidden: the share of all light that is hidden, which may be more than the relief hides.
     """
     by_relief = sum(
         lamp.hardness * part * (1 - lost) for lamp, part, lost in zip(lamps, parts, reach.lost_finely, strict=True)
@@ -214,21 +215,23 @@ def _share_seen(
 
 
 def _rest(parts: Sequence[torch.Tensor]) -> torch.Tensor:
+    """The share of all unoccluded light that is not the lamps', (1, 1, S, S)."""
     return (1 - sum(parts)).clamp_min(0)
 
 
 def _with_edges(hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Reach) -> _Edged:
-    """Give the shadows of lamps in the diffuse light or in the gloss their edges.
+    """Sharpen the shadows of lamps, in the diffuse light or in the gloss.
 
     Args:
-        hidden: (1, 1, S, S) the share that the network takes for hidden, in [0, 1].
-        parts: of each lamp, see `_parts`.
+        hidden: (1, 1, S, S) the share that the network takes to be hidden, in [0, 1].
+        parts: for each lamp, see `_parts`.
+        reach: what the relief hides.
     """
     edged, of_lamps, unlit, counts = hidden, torch.zeros_like(hidden), torch.zeros_like(hidden), []
     of_each = zip(_sure_of(hidden, parts, reach), parts, reach.lost, reach.lost_finely, strict=True)
     for (of_lamp, sure), part, soft, edgy in of_each:
         change = part * edgy - of_lamp
-        # The relief may deepen any shadow, but lighten only one that it has itself: not that of a brim or a lock.
+        # The relief may deepen any shadow, but lighten only one that it casts itself, not that of a brim or a lock.
         known = (soft / _SURE).clamp_max(1)
         edged = edged + sure * torch.where(change > 0, change, change * known)
         counts.append(sure * (part - (1 - known) * of_lamp))
@@ -242,10 +245,11 @@ def _with_edges(hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Rea
 def _sure_of(
     hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Reach
 ) -> list[tuple[torch.Tensor, torch.Tensor]]:
-    """For each lamp, how much of what the network hides is its light, and how far geometry decides about that.
+    """For each lamp, how much of the light that the network hides is the lamp's, and the weight of geometry.
 
-    Both (1, 1, S, S), the former as a share of all light and at most the lamp's part. The network says only how much is
-    hidden altogether; that is divided among the lamps and the rest as the relief hides each.
+    Both are (1, 1, S, S), the former a share of all light and at most the lamp's part. The network only predicts how
+    much is hidden in total. That is divided among the lamps and the rest in proportion to what the relief hides of
+    each.
     """
     lost, result = _lost(parts, reach.lost, reach), []
     for part, soft, decides in zip(parts, reach.lost, reach.decides, strict=True):
@@ -255,10 +259,10 @@ def _sure_of(
 
 
 def _parts(given: Sequence[torch.Tensor], all_light: torch.Tensor, of_lamps: torch.Tensor) -> list[torch.Tensor]:
-    """Each lamp's share of all irradiance, or gloss, where nothing is hidden, (1, 1, S, S) in [0, 1].
+    """Each lamp's share of all unoccluded irradiance, or gloss, (1, 1, S, S) in [0, 1].
 
     Args:
-        given: what each lamp gives by itself, > 0, for the proportions between lamps alone.
+        given: what each lamp gives, > 0; only the proportions between lamps count.
         all_light, of_lamps: luminance of the irradiance or gloss of the whole light, and of its lamps together.
     """
     share = (of_lamps / all_light.clamp_min(_NO_GLOSS)).clamp(0, 1)
@@ -267,14 +271,14 @@ def _parts(given: Sequence[torch.Tensor], all_light: torch.Tensor, of_lamps: tor
 
 
 def _irradiance(lamps: Sequence[Lamp], surface: Surface) -> list[torch.Tensor]:
-    """Irradiance over pi that each lamp gives where nothing is hidden, (1, 1, S, S) > 0."""
+    """Unoccluded irradiance over pi from each lamp, (1, 1, S, S) > 0."""
     toward = [torch.tensor(lamp.toward, device=surface.normal.device)[:, None, None] for lamp in lamps]
     facing = [(surface.normal * direction).sum(1, keepdim=True).clamp_min(0) + _GRAZING for direction in toward]
     return [of_lamp * lamp.irradiance for of_lamp, lamp in zip(facing, lamps, strict=True)]
 
 
 def _gloss(lamps: Sequence[Lamp], surface: Surface) -> list[torch.Tensor]:
-    """Luminance of each lamp's highlight where nothing is hidden, (1, 1, S, S) > 0."""
+    """Luminance of each lamp's unoccluded highlight, (1, 1, S, S) > 0."""
     normal = surface.normal[0].float().flatten(1).T
     toward = normal.new_tensor([lamp.toward for lamp in lamps])
     power = normal.new_tensor([torch.pi * lamp.irradiance for lamp in lamps])

@@ -1,6 +1,6 @@
-"""What SS and composition are told besides the paper's inputs: light looked up by the normal, and the sum.
+"""Inputs of SS and composition beyond the paper's: light looked up by the normal, and the explicit sum.
 
-The training steps and the editor share these functions, so that a network meets the same inputs in both.
+Training and the editor share these functions, so that a network sees the same inputs in both.
 """
 
 from __future__ import annotations
@@ -24,8 +24,9 @@ if TYPE_CHECKING:
     from relight_core.pipeline.per_light.fine_edges import ShadowEdges
 
 _NOTHING = 1e-6
+"""Smallest divisor."""
 _CERTAIN = (0.5, 0.9)
-"""Share of the light that the relief hides from which on its word counts, and from which on in full."""
+"""Ramp of the share of light that the relief hides, over which a shadow becomes certain."""
 
 
 def specular_shadow_hints(
@@ -35,19 +36,20 @@ def specular_shadow_hints(
     relief: torch.Tensor | None = None,
     parsing: torch.Tensor | None = None,
 ) -> torch.Tensor | None:
-    """The SS network's inputs beside the normal.
+    """The SS network's inputs besides the normal.
 
     Args:
-        reflected: (B, 6, H, W) unoccluded irradiance and gloss (see `lighting.reflection`).
-        relief_shadow: (B, 1, H, W) shadow fraction cast by the relief; needed when configured.
-        relief: (B, 1, H, W) height toward the camera in half-widths of the view, and
-        parsing: (B, classes, H, W) probabilities, the background first; both needed when configured.
+        config: which of them the network has.
+        reflected: (B, 6, H, W) unoccluded irradiance over pi and gloss (see `lighting.reflection`).
+        relief_shadow: (B, 1, H, W) shadow fraction cast by the relief, if configured.
+        relief: (B, 1, H, W) height toward the camera in half-widths of the view, if configured.
+        parsing: (B, classes, H, W) probabilities, the background first, if configured.
 
     Returns:
-        (B, C, H, W), as many as the configuration asks for; None where it asks for none.
+        (B, C, H, W), or None if there are none.
 
     Raises:
-        ValueError: what is needed is missing.
+        ValueError: a configured input is missing.
     """
     both = (surface_hints(config, relief, parsing), light_hints(config, reflected, relief_shadow))
     hints = [part for part in both if part is not None]
@@ -57,7 +59,7 @@ def specular_shadow_hints(
 def surface_hints(
     config: SpecularShadowConfig, relief: torch.Tensor | None, parsing: torch.Tensor | None
 ) -> torch.Tensor | None:
-    """Those of `specular_shadow_hints` that no light changes, (B, 1 + classes, H, W); they come first."""
+    """The part of `specular_shadow_hints` that doesn't depend on the light, (B, 1 + classes, H, W); it comes first."""
     if not config.parsing_classes:
         return None
     if relief is None or parsing is None:
@@ -68,7 +70,7 @@ def surface_hints(
 def light_hints(
     config: SpecularShadowConfig, reflected: torch.Tensor, relief_shadow: torch.Tensor | None
 ) -> torch.Tensor | None:
-    """Those of `specular_shadow_hints` that follow the light, (B, up to 3, H, W)."""
+    """The part of `specular_shadow_hints` that depends on the light, (B, up to 3, H, W)."""
     hints = []
     if config.per_pixel_light:
         hints += [torch.log1p(grey(reflected[:, :3])), torch.log1p(4 * grey(reflected[:, 3:]))]
@@ -80,12 +82,12 @@ def light_hints(
 
 
 def gloss_share(parsing: torch.Tensor) -> torch.Tensor:
-    """How much of the gloss of skin there is, (B, 1, H, W) in (0, 1], of parsing probabilities (B, classes, H, W)."""
+    """Gloss as a share of that of skin, (B, 1, H, W) in (0, 1], from parsing probabilities (B, classes, H, W)."""
     return torch.tensordot(parsing, constant(GLOSS_SHARE, parsing.device, parsing.dtype), ([1], [0]))[:, None]
 
 
 def with_dull_parts(reflected: torch.Tensor, parsing: torch.Tensor) -> torch.Tensor:
-    """Irradiance and gloss (B, 6, H, W) of skin, with the gloss of what there is instead."""
+    """Irradiance and gloss (B, 6, H, W), with the gloss of skin reduced to that of hair, cloth and so on."""
     return torch.cat([reflected[:, :3], reflected[:, 3:] * gloss_share(parsing)], 1)
 
 
@@ -94,15 +96,15 @@ class Effects:
     """The paper's two additive effect channels, (B, 1, H, W) >= 0, in units of the normalised light.
 
     Attributes:
-        colour_odds: (B, 3, H, W) > 0 how much likelier each colour is hidden than all together, as a ratio of odds;
-            None where all are alike. The mean of what is taken, weighted by luminance, stays `shadow`.
-        by_relief: (B, 1, H, W) in [0, 1] the share of the light that the relief alone hides; None where none was
-            asked.
-        gloss_by_relief: the same of the gloss, of which a lamp may give more than of the rest; None where it is as
-            much.
-        thrown_back: (B, 3, H, W) >= 0 light of small lamps that comes by way of other skin (see `skin_bounce`); None
-            where the shadow knows of it, as the network's does.
-        edges: where the shadows of small lamps end, to be drawn more finely than these maps; None where there are none.
+        colour_odds: (B, 3, H, W) > 0, odds that each colour's light is hidden, over the odds for all light together;
+            None if colours don't differ. The shadow's mean over colours, weighted by luminance, stays `shadow`.
+        by_relief: (B, 1, H, W) in [0, 1], the share of the diffuse light that the relief alone hides; None if it is
+            not known.
+        gloss_by_relief: the same for the gloss, of which a lamp may give a larger share than of the diffuse light;
+            None if it equals `by_relief`.
+        thrown_back: (B, 3, H, W) >= 0, light of small lamps that other skin reflects (see `skin_bounce`); None if the
+            shadow already contains it, as the network's does.
+        edges: the ends of small lamps' shadows, for drawing them at a higher resolution; None if there are none.
     """
 
     specular: torch.Tensor
@@ -115,7 +117,7 @@ class Effects:
 
 
 def as_channels(effects: Effects) -> Effects:
-    """The effects as the paper's channels show them: a shadow is what the picture lacks, not what is thrown back."""
+    """The effects as the paper's channels: the shadow is what the picture lacks, so the bounce is subtracted."""
     if effects.thrown_back is None:
         return effects
     return Effects(effects.specular, (effects.shadow - grey(effects.thrown_back)).clamp_min(0))
@@ -127,6 +129,7 @@ def effects_of(occlusion: Occlusion, reflected: torch.Tensor, albedo: torch.Tens
     I_sp is the gloss that is not occluded; I_sh is what occlusion takes from albedo * irradiance + gloss.
 
     Args:
+        occlusion: logits.
         reflected, albedo: as of `explicit_sum`.
     """
     shadow_fraction, gloss_fraction = torch.sigmoid(occlusion.shadow), torch.sigmoid(occlusion.gloss)
@@ -139,7 +142,7 @@ def effects_of(occlusion: Occlusion, reflected: torch.Tensor, albedo: torch.Tens
 def estimated_effects(
     config: SpecularShadowConfig, estimate: Occlusion, reflected: torch.Tensor, albedo: torch.Tensor
 ) -> Effects:
-    """The effect channels from what an SS network of this configuration says.
+    """The effect channels from the output of an SS network of this configuration.
 
     Args:
         reflected, albedo: as of `explicit_sum`.
@@ -150,45 +153,47 @@ def estimated_effects(
 
 
 def smooth_gloss(gloss: torch.Tensor) -> torch.Tensor:
-    """Gloss (B, C, H, W) with that of all the normals around a pixel in it.
+    """Gloss (B, C, H, W), averaged with that of the neighbouring pixels' normals.
 
-    A small lamp's highlight on a sharp ridge falls on single pixels, which would be streaks and steps once they are
-    enlarged.
+    A small lamp's highlight on a sharp ridge falls on single pixels. Upsampled, these would be streaks and steps.
     """
     return with_neighbours(gloss, 1 / 3)
 
 
 def hidden_gloss(effects: Effects, gloss: torch.Tensor) -> torch.Tensor:
-    """The gloss that is not seen, (B, 1, H, W) >= 0, of the grey unoccluded gloss; it is part of the shadow."""
+    """The part of the grey unoccluded gloss that is hidden, (B, 1, H, W) >= 0; the shadow contains it."""
     return (gloss - effects.specular).clamp_min(0)
 
 
 def hidden_share(effects: Effects, diffuse: torch.Tensor, gloss: torch.Tensor) -> torch.Tensor:
     """Share of the diffuse light that the shadow takes, (B, 1, H, W) in [0, 1].
 
+    The hidden gloss, which the shadow contains too, is subtracted first.
+
     Args:
-        diffuse, gloss: (B, 1, H, W) grey albedo times irradiance, and gloss, both unoccluded. Gloss that is hidden is
-            part of the shadow, not of the diffuse light.
+        effects: of the light.
+        diffuse, gloss: (B, 1, H, W), luminance of albedo times irradiance, and of gloss, both unoccluded.
     """
     return ((effects.shadow - hidden_gloss(effects, gloss)) / diffuse.clamp_min(1e-4)).clamp(0, 1)
 
 
 def with_hidden_share(effects: Effects, hidden: torch.Tensor, diffuse: torch.Tensor, gloss: torch.Tensor) -> Effects:
-    """The effects with another shadow, of which `hidden_share` says `hidden`."""
+    """The effects with a shadow for which `hidden_share` returns `hidden`."""
     return replace(effects, shadow=hidden * diffuse + hidden_gloss(effects, gloss))
 
 
 def doubtful_shadow(
     effects: Effects, diffuse: torch.Tensor, gloss: torch.Tensor, trusted: torch.Tensor
 ) -> torch.Tensor:
-    """The shadow without what is certain of it, (B, 1, H, W) >= 0.
+    """The shadow without its certain part, (B, 1, H, W) >= 0, as composition sees it.
 
-    What network and relief both take for hidden is certain where the relief takes nearly all light for hidden, so
-    that such a place looks as if it faced away from the light.
+    Light that network and relief both take to be hidden is certain where the relief hides nearly all light. To
+    composition such a place then looks as if it faced away from the light.
 
     Args:
+        effects: of the light.
         diffuse, gloss: as of `hidden_share`.
-        trusted: (B, 1, H, W) in [0, 1], how far the relief is right there.
+        trusted: (B, 1, H, W) in [0, 1], trust in the relief.
     """
     if effects.by_relief is None:
         return effects.shadow
@@ -205,15 +210,15 @@ def explicit_sum(
 ) -> torch.Tensor:
     """albedo * irradiance - shadow + specular, (B, 3, H, W) >= 0.
 
-    The additive shadow is grey; it darkens each colour in proportion to what there is of it, at the odds that the
-    colour has, so that it can take no more than there is. Gains above 1 deepen it without an end: twice what is hidden
-    would be black wherever half is.
+    The additive shadow is grey. It is applied as a share of each colour, modified by the colour's odds, so that it
+    never takes more of a colour than there is. Gains above 1 are powers of what is left: if they multiplied the hidden
+    share, a gain of 2 would turn everything black of which half is hidden.
 
     Args:
         albedo: (B, 3, H, W) linear, [0, 1].
-        reflected: (B, 6, H, W) >= 0, irradiance over pi and gloss where nothing is hidden (see `lighting.reflection`).
+        reflected: (B, 6, H, W) >= 0, unoccluded irradiance over pi and gloss (see `lighting.reflection`).
         effects: of the same light.
-        specular_gain, shadow_gain: where the sliders stand, [0, 2].
+        specular_gain, shadow_gain: the sliders' values, [0, 2].
     """
     matt, gloss = explicit_parts(albedo, reflected, effects, shadow_gain)
     return matt + specular_gain * gloss
@@ -222,9 +227,9 @@ def explicit_sum(
 def explicit_parts(
     albedo: torch.Tensor, reflected: torch.Tensor, effects: Effects, shadow_gain: float = 1.0
 ) -> tuple[torch.Tensor, torch.Tensor]:
-    """The parts of `explicit_sum`, (B, 3, H, W) >= 0 each: what is matt, and gloss at a gain of 1.
+    """The two parts of `explicit_sum`, (B, 3, H, W) >= 0 each: diffuse, and specular at a gain of 1.
 
-    No depth of shadow takes away what is thrown back into it.
+    The gain of the shadow does not affect the light that is reflected into it.
     """
     diffuse = albedo * reflected[:, :3]
     gloss = grey(reflected[:, 3:])
@@ -237,18 +242,21 @@ def explicit_parts(
 
 
 def light_left(hidden: torch.Tensor | np.ndarray, shadow_gain: float) -> torch.Tensor | np.ndarray:
-    """Share of the diffuse light, [0, 1], that is left at a gain of the shadow, [0, 2]; at 1 `hidden` of it is, [0, 1].
+    """Share of the diffuse light that a shadow leaves, in [0, 1].
 
-    Of any shape.
+    Args:
+        hidden: of any shape, the share in [0, 1] that is hidden at a gain of 1.
+        shadow_gain: [0, 2].
     """
     return 1 - shadow_gain * hidden if shadow_gain <= 1 else (1 - hidden) ** shadow_gain
 
 
 def hidden_by_colour(hidden: torch.Tensor, colour_odds: torch.Tensor, diffuse: torch.Tensor) -> torch.Tensor:
-    """Share of each colour of the diffuse light that is hidden, (B, 3, H, W) in [0, 1], of the share of all of it.
+    """The hidden share of each colour of the diffuse light, (B, 3, H, W) in [0, 1], from that of all light together.
 
-    A ratio of shares holds for one depth of shadow only: with more hidden than the relief knows of it takes all blue
-    from half a shadow. A ratio of odds is the same ratio where little is hidden, and leaves nothing where all is.
+    It uses ratios of odds. A ratio of shares only holds for one depth of shadow: where more is hidden than the relief
+    hides, it would take all blue from half a shadow. A ratio of odds is the same where little is hidden, and leaves
+    nothing of any colour where everything is.
 
     Args:
         hidden: (B, 1, H, W) in [0, 1], which stays the mean over the colours, weighted by luminance.
@@ -258,7 +266,7 @@ def hidden_by_colour(hidden: torch.Tensor, colour_odds: torch.Tensor, diffuse: t
     all_light = grey(diffuse).clamp_min(_NOTHING)
     by_colour = _at_odds(hidden, colour_odds)
     by_colour = _at_odds(by_colour, _odds_ratio(hidden, grey(diffuse * by_colour) / all_light))
-    # Odds bring the mean near. What is missing is taken from what is hidden of each colour, or from what is left of it.
+    # The odds bring the mean only near `hidden`. The rest is corrected by scaling the hidden shares, or what is left.
     mean = grey(diffuse * by_colour) / all_light
     fewer = (hidden / mean.clamp_min(_NOTHING)).clamp_max(1)
     less_left = ((1 - hidden) / (1 - mean).clamp_min(_NOTHING)).clamp(0, 1)
@@ -266,7 +274,7 @@ def hidden_by_colour(hidden: torch.Tensor, colour_odds: torch.Tensor, diffuse: t
 
 
 def _at_odds(share: torch.Tensor, ratio: torch.Tensor) -> torch.Tensor:
-    """The share whose odds are so many times those of another."""
+    """The share whose odds are `ratio` times those of `share`."""
     return share * ratio / (1 - share + share * ratio).clamp_min(_NOTHING)
 
 

@@ -1,4 +1,4 @@
-"""The lights whose results are kept, so that a light that is nearly one of them finds it."""
+"""The lights whose results are cached, for finding one that is nearly equal to a new light."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from relight_core.pipeline.plan import displayed_change, light_change
 
 @dataclass(frozen=True, eq=False)
 class ServingLight:
-    """The light that results are computed for.
+    """The light that results are computed for, which may differ slightly from the requested one.
 
     Attributes:
-        name: of its contents.
+        name: a key made from its contents.
         radiance: (16, 32, 3) normalised.
-        bound: how much a displayed value in [0, 1] may differ from that under the light that was asked for.
-        lamps: the small ones of the light that was asked for.
+        bound: on the difference of a displayed value in [0, 1] from that under the requested light.
+        lamps: the small lamps of the requested light.
     """
 
     name: Hashable
@@ -31,7 +31,11 @@ class ServingLight:
 
 @dataclass
 class KeptLights:
-    """The newest lights of every group; one group is what was computed alike."""
+    """The newest lights of every group. Results of a group were computed in the same way.
+
+    Attributes:
+        most: lights kept in a group.
+    """
 
     most: int
     _groups: dict[Hashable, OrderedDict[bytes, np.ndarray]] = field(default_factory=dict)
@@ -41,11 +45,12 @@ class KeptLights:
         self._groups.clear()
 
     def match(self, group: Hashable, light: np.ndarray, tolerance: float) -> ServingLight:
-        """The same light if it is kept, else the nearest within the tolerance, else the light itself; keeps nothing.
+        """The light to compute results for: the same if it is kept, else the nearest within the tolerance, else itself.
 
-        Results always belong to the light they were computed for, so small changes don't add up.
+        Nothing is kept by this. Kept results belong to the light they were computed for, so small changes don't add up.
 
         Args:
+            group: to search in.
             light: (16, 32, 3) normalised radiance.
             tolerance: of displayed values in [0, 1].
         """
@@ -58,7 +63,7 @@ class KeptLights:
         return ServingLight(name, light.copy(), 0.0)
 
     def keep(self, group: Hashable, serving: ServingLight) -> None:
-        """Keep the light that results are about to be computed for, as the newest of its group."""
+        """Keep a light, whose results are about to be computed, as the newest of its group."""
         lights = self._groups.setdefault(group, OrderedDict())
         lights[serving.name] = serving.radiance
         lights.move_to_end(serving.name)

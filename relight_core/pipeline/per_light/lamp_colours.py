@@ -1,12 +1,12 @@
-"""Colours on a face that lamps have given it which the model of its photo doesn't know.
+"""Colours on a face that come from the photo's light, although the model of the photo doesn't explain them.
 
-Between two neon lamps a face is pink on one side and teal on the other, and the estimated light explains a part of
-that. What is left would stay on the skin in any light, as paint does. So where the photo's light, as far as it is
-known, has several colours already, a colour that more than a mole shares on skin and that flush and tan don't explain
-is a lamp's. In a light of one colour it may be paint or rouge.
+Lamps: between two neon lamps a face is pink on one side and teal on the other, and the estimated light explains only
+a part of that. The rest would stay on the skin under any light, as paint does. So if the estimated light already has
+several colours, a remaining colour belongs to a lamp if it covers more than a mole and is stronger than flush and tan.
+In a light of one colour it may be paint or rouge.
 
-A hat, a wall or leaves throw shadows that the model doesn't know either, and what lights skin in those is the sky. So
-where much of the skin lies in such shadows, the colour that they have beside the rest of it is theirs.
+Shade: a hat, a wall or leaves cast shadows that the model doesn't know either, and skin in these is lit by the sky. So
+if much of the skin lies in such shadows, the difference of colour between them and the rest of the skin is theirs.
 """
 
 from __future__ import annotations
@@ -20,19 +20,21 @@ from relight_core.imaging.tensor_means import local_means, local_medians, middle
 from relight_core.pipeline.stages import Surface
 
 MOLE = 0.02
-"""Of the view's side: what is off no farther on skin is likely its own, and what is off farther a shadow or gloss."""
+"""As a share of the view's side: a deviation on skin that extends no farther is likely the skin's own, a larger one a
+shadow or gloss."""
 _FLUSH = (0.1, 0.2)
-"""Logs of a colour, by how much flush and tan move it, and what is surely more."""
+"""Ramp of a colour's deviation in logs: up to the first flush or tan explain it, from the second on they don't."""
 _SEVERAL_COLOURS = (0.4, 0.8)
-"""How far apart the logs of a light's colour are over most of the skin, where it may have several and surely has."""
+"""Ramp of the range of a light's colour over most of the skin, in logs, over which the light counts as of several
+colours."""
 _AMID_SKIN = (*BROWS, *EYES, *MOUTH)
-"""What such lamps light as they do the skin around."""
+"""Parts that such lamps light like the skin around them."""
 
 
 def colours_of_lamps(
     surface: Surface, plain: torch.Tensor, colour: torch.Tensor, skin: torch.Tensor, known: torch.Tensor
 ) -> torch.Tensor:
-    """(1, 3, S, S) the part of a colour that lamps have given a face, of mean 0 over the channels.
+    """The part of a face's colour that comes from lamps, (1, 3, S, S) logs of mean 0 over the channels.
 
     Args:
         plain: (1, 3, S, S) the model's explicit sum under the photo's own light.
@@ -52,13 +54,13 @@ def colours_of_lamps(
 def colours_of_shade(
     surface: Surface, missed: torch.Tensor, colour: torch.Tensor, skin: torch.Tensor, known: torch.Tensor
 ) -> torch.Tensor:
-    """(1, 3, S, S) log colours, of mean 0, that a face has in shadows which the model missed, in much of its skin.
+    """The part of a face's colour that comes from shade that the model missed, (1, 3, S, S) logs of mean 0.
 
-    They are in proportion to how deep a shadow is, and 0 where skin is as bright as the brighter part of it is.
+    It is proportional to the depth of the shade, and 0 where skin is as bright as the brighter part of the skin.
 
     Args:
-        missed: (1, 1, S, S) logs of brightness that the model missed, of which not all known skin has the same.
-        colour, skin, known: as of `colours_of_lamps`; some skin is known.
+        missed: (1, 1, S, S) logs of brightness that the model missed; must vary over the known skin.
+        colour, skin, known: as of `colours_of_lamps`; some skin must be known.
     """
     sure = (known > SURELY)[0, 0]
     depths, colours = missed[0, 0][sure], colour[0][:, sure]
@@ -71,12 +73,12 @@ def colours_of_shade(
 
 
 def _on_face(surface: Surface, off: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
-    """What is off in colour on skin, and as much of it amid skin as around."""
+    """A deviation of colour (1, 3, S, S) on skin, and on eyes, brows and mouth the mean of that around them."""
     return skin * off + share_of(surface.parsing, _AMID_SKIN) * local_means(off, skin)
 
 
 def _several_colours(surface: Surface, plain: torch.Tensor, sure: torch.Tensor) -> float:
-    """How surely the light on the skin (S, S) is of several colours, [0, 1]."""
+    """The degree to which the light on the skin (S, S) has several colours, [0, 1]."""
     light = without_mean(log_ratios(plain.float(), surface.albedo))[0][:, sure]
     least, most = torch.quantile(light, light.new_tensor([0.1, 0.9]), dim=1)
     return ramp(float((most - least).max()), *_SEVERAL_COLOURS)

@@ -1,29 +1,31 @@
-"""What the model misses of the photo, carried over to other lights.
+"""The residual: what the model misses of the photo, carried over to other lights.
 
-Under the light that the photo was taken in, the model's picture should be the photo. What it misses is measured once,
-as the log of the photo over the model (a ratio image: Liu, Shan and Zhang 2001), and multiplies what the model makes of
-any other light. So a portrait under its own estimated light is the photo again.
+Under the photo's own light the model's picture should be the photo. The residual is measured once, as the log of the
+photo over the model (a ratio image: Liu, Shan and Zhang 2001), and multiplies the model's picture under any other
+light. So a portrait under its own estimated light is the photo again.
 
-Not all of that belongs to the surface. Each part stays under another light as far as its cause does:
+Not all of the residual belongs to the surface. It is split by likely cause, and each part is kept under another light
+to the degree that its cause remains. In these parts, *broad* is what extends over more than a mole:
 
-- **Narrow darkening** (brows, lashes, stubble, dark cloth) is mostly the surface's. It stays in proportion to how
-  alike a place is lit in both lights: a cast shadow that the model missed belongs to the photo's light.
-- **All else**, such as a highlight that the model missed, fades likewise, on skin faster: what is brighter there than
-  the model, of another colour, or off over more than a mole is the light's more often than the surface's.
-- **Missed light and shadow** (`missed`), which is what is off over more than a mole on skin, fades as the whole light
-  becomes another (`lighting.likeness`), the faster the more of it there is. So do colours that are a lamp's or the
-  sky's: where lamps of several colours light a face, those over more than a mole that flush and tan don't explain, on
-  lips, eyes and brows too; and where much of the skin lies in shadows that the model missed, the colour of these.
-- **Fleeting parts** (`fleeting`) stay only under a light much like the photo's: glare, which is skin or hair far
-  brighter than its model, grazed by a light from behind that no model of the face's front knows, and about which how a
-  place is lit says little; and colours in deep shadow that the skin's albedo doesn't have, which are another lamp's.
-- **The tint** (`tint`) stays under any light: what a camera adds to the colour of all skin (`per_photo.saturation`),
-  and the colours of all that is not skin, of which photo and skin together say more than the albedo does. A mask and
-  paint over all of a face (`per_photo.face_paint`), broad paint amid skin (`per_photo.skin_colour`), and what is red by
-  itself (`per_photo.own_redness`) are no skin here, whatever the parsing takes them for; nearly black hair and cloth
-  keep the colour they are seen in (`per_photo.black_colour`).
-- **Dark hair** (`stays_dark`): strands lie in each other's shadow under any light. So does a beard's edge that the
-  parsing takes for the neck, and whose albedo is half that of skin: far darker than that model, it is likelier hair.
+- **Narrow darkening** (brows, lashes, stubble, dark cloth) mostly belongs to the surface. It is kept in proportion to
+  how similarly a place is lit in both lights, since it may also be a cast shadow that the model missed.
+- **Everything else**, such as a highlight that the model missed, fades in the same way, and faster on skin. There,
+  what is brighter than the model, has another colour or is broad belongs more often to the light than to the surface.
+- **Missed light and shadow** (`missed`), the broad part on skin, fades as the whole light becomes different
+  (`lighting.likeness`), and the faster the more of it there is. So do colours that come from lamps or the sky (see
+  `lamp_colours`), which also lie on lips, eyes and brows.
+- **Fleeting parts** (`fleeting`) are kept only under a light that is very similar to the photo's. One is glare: skin or
+  hair that is far brighter than its model because a light from behind grazes it. No model of the face's front can know
+  that light, and how similarly the place is lit says little about it. The other is colours in deep shadow that the
+  skin's albedo doesn't have, which come from another lamp.
+- **The tint** (`tint`) is kept under any light: what a camera adds to the colour of all skin (`per_photo.saturation`),
+  and the colours of everything that isn't skin, which photo and skin together determine better than the albedo does.
+  Here, a mask or paint over all of a face (`per_photo.face_paint`), broad paint on skin (`per_photo.skin_colour`) and
+  skin that is red by itself (`per_photo.own_redness`) don't count as skin, whatever the parsing takes them for. Nearly
+  black hair and cloth keep the colour in which the photo shows them (`per_photo.black_colour`).
+- **Dark hair** (`stays_dark`) stays dark under any light, since its strands shade each other. So does the edge of a
+  beard that the parsing takes for neck: with half the albedo of skin, and far darker than its model, it is likelier
+  hair.
 """
 
 from __future__ import annotations
@@ -53,61 +55,63 @@ from relight_core.pipeline.per_photo.source_light import level_over_person, seen
 from relight_core.pipeline.stages import Composed, Surface
 
 _BEYOND, _PILED_UP = 0.05, 0.02
-"""How far above 1 a pixel's value says that the photo was not clipped there, and how near to 1 that it was."""
+"""A value this far above 1 shows that the photo was not clipped there; one this near to 1 that it was."""
 _FEW = 1e-4
-"""The share of a photo's pixels that is too few to tell."""
+"""If only this share of a photo's pixels is above 1 or at 1, it says little about clipping."""
 _DARK_HAIR = 0.8
-"""The share of hair's darkening that stays under any light."""
+"""The share of hair's darkening that is kept under any light."""
 _DARK_NECK, _DIM_NECK = (0.6, 1.2), (0.2, 0.8)
-"""How much darker than its model a neck's pixel is, and its albedo than that of most skin, in logs, from which on it
-is likelier hair, in part and altogether. Both count: skin in a shadow that the model missed keeps its albedo."""
+"""Ramps, in logs, over which a pixel of the neck becomes likelier hair: how much darker it is than its model, and its
+albedo than that of most skin. Both must hold, since skin in a shadow that the model missed keeps its albedo."""
 _HAIR_LOG_ODDS = 4.0
-"""By how much both at their full raise the log odds of hair over neck."""
+"""At the end of both ramps, this is added to the log odds of hair over neck."""
 _FADES = 2.0
-"""By how much the power rises, from elsewhere to bare skin, by which all but darkening follows how alike a place is
-lit."""
+"""All but darkening is kept by a power of how similarly a place is lit: 1, and so much more on bare skin."""
 _MOST_SATURATED = 0.6
-"""The largest share of skin's own colour that a camera is believed to add to it."""
+"""A camera adds at most this share of skin's own colour to it."""
 _GLARE_OF_SKIN, _GLARE_OF_HAIR = (0.2, 0.5), (0.5, 0.8)
-"""Log ratios from which on brighter than the model counts as glare, in part and altogether."""
+"""Ramps of the log ratio over which what is brighter than the model becomes glare."""
 _GLARE_FADES = 6
-"""The power of what two lights share by which fleeting parts stay."""
+"""Fleeting parts are kept by this power of the likeness of two lights."""
 _FOREIGN_FADES = 8
-"""The same for shadows from outside: what throws them stands before the photo's own light, and before one much like
-it."""
+"""The same for shadows from outside, whose causes stand in front of the photo's own light or one very similar to it."""
 _MISSED_FADES, _MUCH_MISSED = (2.0, 8.0), (0.22, 0.34)
-"""The powers of what two lights share by which missed light stays, and its standard deviations over a face's skin, in
-logs: up to the first the first power holds, from the second on the second. Where a hat, leaves or blinds throw shadows
-that the model knows nothing of, the photo's own light is not what it seems, and being like that one says little."""
+"""Missed light is kept by a power of the likeness of two lights. It ramps from the first power to the second while the
+standard deviation of missed light over the face's skin, in logs, goes from the first to the second. If a hat, leaves
+or blinds cast shadows that the model doesn't know, the estimate of the photo's own light is wrong, and likeness to it
+says little."""
 _MISSED_ELSEWHERE = (0.26, 0.4)
-"""The deviations from which on hair and cloth lie in such shadows too, perhaps and surely; else it is their albedo."""
+"""Ramp of that deviation over which hair and cloth are taken to lie in such shadows too, instead of having that albedo.
+"""
 _BROAD = 2 * MOLE
-"""Of the view's side, to each side: what is broader and of other colours, with plain skin about it, is surely paint."""
+"""As a share of the view's side, to each side: an area of other colours that is broader than this is surely paint."""
 _STEP = (0.1, 0.3)
-"""By how much, in logs, medians a mole apart differ where there may be, and surely is, the edge of a shadow."""
+"""Ramp of the difference, in logs, of two medians a mole apart, over which there is the edge of a shadow."""
 
 
 @dataclass(frozen=True)
 class Residual:
-    """Photo over model under the photo's own light.
+    """Photo over model under the photo's own light; the module describes the parts.
 
     Attributes:
-        log_ratio: (1, 3, S, S), [-3, 3], or up to 3 above the largest log radiance of a photo that exceeds 1.
+        log_ratio: (1, 3, S, S) the whole residual in [-3, 3], or up to 3 above the largest log radiance of a photo that
+            exceeds 1.
         shading: (1, 1, S, S) luminance of the model's explicit sum under that light, normalised.
-        stays_dark: (1, 1, S, S) in [0, 1], how much of a darkening stays under whatever light.
+        stays_dark: (1, 1, S, S) in [0, 1], the share of a darkening that is kept under any light.
         skin: (1, 1, S, S) probability of bare skin.
-        broad: (1, 1, S, S) the part of the mean log ratio that more than a mole shares, on skin, and on all else
-            where skin lies in shadows that the model lacks; at such a shadow's edge, all of it.
-        missed: (1, 3, S, S) the part of it that is no glare, and the colours of other lamps and of the sky on a face:
-            light and shadow that the model missed, which fade as the whole light becomes another.
-        missed_fades: the power of what another light shares with the photo's by which `missed` stays.
-        tint: (1, 3, S, S) the part of the log ratio, of mean 0, that stays under whatever light.
-        fleeting: (1, 3, S, S) the part of the log ratio that only the photo's own light or one much like it gives.
-        light: (1, 16, 32, 3) the photo's own, linear radiance.
+        broad: (1, 1, S, S) the broad part of the log ratio's mean over channels: on skin, and elsewhere too if skin
+            lies in shadows that the model missed. At such a shadow's edge it is all of the mean.
+        missed: (1, 3, S, S) light and shadow that the model missed: the broad part without glare, and the colours that
+            lamps or the sky give a face.
+        missed_fades: `missed` is kept by this power of another light's likeness to the photo's.
+        tint: (1, 3, S, S) the part of the log ratio, of mean 0 over channels, that is kept under any light.
+        fleeting: (1, 3, S, S) the part of the log ratio that is kept only under the photo's own light or one very
+            similar to it.
+        light: (1, 16, 32, 3) the photo's own light, linear radiance.
         level: of that light, such that model and photo are equally bright over the person.
-        largest_log: the largest log ratio there may be.
-        foreign_shadow: (1, 3, S, S) logs of what shadows from outside leave of the photo's light, which the other parts
-            know nothing of; None where there are none.
+        largest_log: upper limit of the log ratio.
+        foreign_shadow: (1, 3, S, S) logs of what shadows from outside leave of the photo's light, which no other part
+            contains; None if there are none.
     """
 
     log_ratio: torch.Tensor
@@ -135,10 +139,11 @@ def find_residual(
     """Compare a photo with its model.
 
     Args:
-        recorded: (1, 3, S, S) the view at the surface's size, linear, without shadows from outside, with the radiance
-            above 1 that the surface's own photo was clipped to, where the file holds any.
+        surface: of the view.
+        recorded: (1, 3, S, S) the view at the surface's size, linear, without shadows from outside. Unlike the
+            surface's own photo it is not clipped, and may exceed 1.
         source_light: (1, 16, 32, 3) the photo's estimated light.
-        compose: the model: a normalised light to a composed image.
+        compose: the model, from a normalised light to a composed image.
     """
     level = mean_luminance(source_light[0].cpu().numpy())
     model = compose(source_light / max(level, 1e-12))
@@ -179,7 +184,7 @@ def find_residual(
 
 
 def at_light_level(residual: Residual, level: float) -> Residual:
-    """The same at another level of the photo's light: what that changes of the whole picture goes into the ratio."""
+    """The residual for another level of the photo's light; the ratio makes up for the change of brightness."""
     if not (level > 0 and residual.level > 0):
         return residual
     brighter = math.log(residual.level / level)
@@ -193,10 +198,11 @@ def _photo_over_model(
     """`log_ratio` and `largest_log` of a residual.
 
     Args:
-        recorded: as of `find_residual`.
-        level, image: of the photo's light, and the model's image (1, 3, S, S) under it, normalised.
+        surface, recorded: as of `find_residual`.
+        level: of the photo's light.
+        image: (1, 3, S, S) the model's image under it, normalised.
     """
-    # The model is of a surface in a photo that was clipped to 1.
+    # The model saw a photo that was clipped to 1, so a recorded value above 1 may exceed it by that much more.
     largest_log = LARGEST_LOG + math.log(max(float(recorded.max()), 1.0))
     log_ratio = log_ratios(recorded / max(level, 1e-4), image).clamp(-LARGEST_LOG, largest_log)
     if was_clipped := _was_clipped(recorded):
@@ -205,7 +211,7 @@ def _photo_over_model(
 
 
 def _hair_and_skin(surface: Surface, mean: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
-    """(1, 1, S, S) each, their probabilities, with what was taken for the neck and is likelier hair moved to hair.
+    """Probabilities of hair and skin, (1, 1, S, S) each, after parts of the neck that are likelier hair became hair.
 
     Args:
         mean: (1, 1, S, S) of the log ratio over its channels.
@@ -224,10 +230,12 @@ def _hair_and_skin(surface: Surface, mean: torch.Tensor) -> tuple[torch.Tensor, 
 
 
 def _of_skins_colour(surface: Surface, colour: torch.Tensor, skin: torch.Tensor, known: torch.Tensor) -> torch.Tensor:
-    """(1, 1, S, S) probability of skin (1, 1, S, S) that has no colour of its own, as paint, a mask or a burn has.
+    """The probability of skin without paint, masks or burns, which have a colour of their own, (1, 1, S, S).
 
     Args:
+        surface: of the view.
         colour: (1, 3, S, S) logs of photo over model, of mean 0.
+        skin: (1, 1, S, S) probability of bare skin.
         known: of `seen_of_person`.
     """
     skin = skin * (1 - face_paint(surface))
@@ -238,13 +246,14 @@ def _of_skins_colour(surface: Surface, colour: torch.Tensor, skin: torch.Tensor,
 
 
 def _broadly_painted(surface: Surface, ratios: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
-    """(1, 1, S, S) bool, where the photo shows paint on skin, or a mask over it, broader than rims and ears' hollows.
+    """Where the photo shows broad paint on skin or a mask over it, (1, 1, S, S) bool, whether the albedo has it or not.
 
-    Whatever the albedo has of it. A narrow line may be a light's from behind, and red in an ear comes of light there.
+    Narrow areas don't count: a line may be the rim of a light from behind, and ears are red where light shines through.
 
     Args:
-        ratios: (1, 3, S, S) log ratios to green of what the photo shows, in a light as white as is known.
-        skin: (1, 1, S, S) probability of what parsing takes for bare skin.
+        surface: of the view.
+        ratios: (1, 3, S, S) log ratios to green of the photo's colours, with the known colour of the light removed.
+        skin: (1, 1, S, S) probability of what the parsing takes for bare skin.
     """
     sure = (skin > SURELY)[0, 0]
     if int(sure.sum()) < FEWEST_PIXELS:
@@ -254,19 +263,19 @@ def _broadly_painted(surface: Surface, ratios: torch.Tensor, skin: torch.Tensor)
 
 
 def _broad_part(share: torch.Tensor) -> torch.Tensor:
-    """A share (1, 1, S, S) where it hangs together with what is broad, and no more than that there."""
+    """A share (1, 1, S, S), limited to what its broad areas have within reach: a soft morphological opening."""
     return torch.minimum(share, local_range(local_range(share, _BROAD)[0], 2 * _BROAD)[1])
 
 
 def _missed_light(
     mean: torch.Tensor, skin: torch.Tensor, seen_skin: torch.Tensor, glare: torch.Tensor
 ) -> tuple[torch.Tensor, torch.Tensor, float]:
-    """`broad` and, but for colours, `missed` of a residual, and how surely that is much of the skin's light, [0, 1].
+    """`broad` and, without colours, `missed` of a residual, and the degree in [0, 1] to which much light was missed.
 
     Args:
         mean: (1, 1, S, S) of the log ratio over its channels.
-        skin, seen_skin: (1, 1, S, S) all of it and as much as the photo shows.
-        glare: (1, 1, S, S) how much of the log ratio fades as such.
+        skin, seen_skin: (1, 1, S, S) probability of bare skin, and of skin that the photo shows unclipped.
+        glare: (1, 1, S, S) the share of the log ratio that is glare.
     """
     broad = skin * _shared_by_more_than_a_mole(mean, skin)
     sure = (seen_skin > SURELY)[0, 0]
@@ -281,9 +290,10 @@ def _missed_light(
 
 
 def _shared_by_more_than_a_mole(mean: torch.Tensor, part: torch.Tensor) -> torch.Tensor:
-    """(1, 1, S, S) what of a log ratio (1, 1, S, S) a mole's surroundings have too; all of it at a shadow's edge.
+    """The part of a log ratio (1, 1, S, S) that is shared by an area larger than a mole, (1, 1, S, S).
 
-    What lies between both sides of a step belongs to it, and no median follows its bends.
+    It is a local median, which can't follow the bends of a shadow's edge. So at an edge everything between the medians
+    of both sides counts.
     """
     middle = local_medians(mean, part, MOLE)
     least, most = local_range(middle, MOLE)
@@ -292,7 +302,7 @@ def _shared_by_more_than_a_mole(mean: torch.Tensor, part: torch.Tensor) -> torch
 
 
 def _glare_share(mean: torch.Tensor, skin: torch.Tensor, hair: torch.Tensor) -> torch.Tensor:
-    """(1, 1, S, S) how surely a light from behind has caused a log ratio, of that mean (1, 1, S, S), [0, 1]."""
+    """Certainty, (1, 1, S, S) in [0, 1], that a log ratio with a mean (1, 1, S, S) is glare of a light from behind."""
     share = torch.zeros_like(skin)
     for kind, (start, full) in ((skin, _GLARE_OF_SKIN), (hair, _GLARE_OF_HAIR)):
         share = share + likely(kind) * ramp(mean, start, full)
@@ -300,7 +310,7 @@ def _glare_share(mean: torch.Tensor, skin: torch.Tensor, hair: torch.Tensor) -> 
 
 
 def _by_camera(log_ratio: torch.Tensor, albedo: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
-    """(1, 3, 1, 1) log colour that the camera adds to all skin: what the model does not make of it."""
+    """The log colour that the camera adds to all skin, (1, 3, 1, 1): the part of skin's colour that the model lacks."""
     own, off = (middle_colour(image, skin) for image in (albedo, log_ratio.exp()))
     if own is None:
         return torch.zeros_like(log_ratio[..., :1, :1])
@@ -308,9 +318,9 @@ def _by_camera(log_ratio: torch.Tensor, albedo: torch.Tensor, skin: torch.Tensor
 
 
 def _was_clipped(recorded: torch.Tensor) -> float:
-    """How surely a photo was clipped at 1, [0, 1]: less so the more of it is beyond, beside what has piled up there.
+    """Certainty, in [0, 1], that a photo was clipped at 1: lower the more pixels exceed 1, relative to those at 1.
 
-    A few pixels beyond may be the overshoot of a resampling, or a glint that was put in.
+    A few pixels above 1 may be overshoot of a resampling, or a glint that was edited in.
     """
     brightest = recorded.amax(1)
     beyond = ((brightest - 1) / _BEYOND).clamp(0, 1).sum()
@@ -322,11 +332,15 @@ def _was_clipped(recorded: torch.Tensor) -> float:
 def add_residual(
     residual: Residual, composed: Composed, effects: Effects, light: torch.Tensor
 ) -> tuple[torch.Tensor, Effects]:
-    """Another light's image (1, 3, S, S), linear >= 0, times what stays of the residual; its effects likewise.
+    """Multiply the model's image under another light by what is kept of the residual, and its effects by its luminance.
 
     Args:
-        composed, effects: the model's, under that other light.
-        light: (1, 16, 32, 3) that other light.
+        residual: of the photo.
+        composed, effects: the model's, under the other light.
+        light: (1, 16, 32, 3) the other light.
+
+    Returns:
+        The image (1, 3, S, S), linear, >= 0, and the effects.
     """
     shading = grey(composed.plain)
     darker, brighter = torch.minimum(shading, residual.shading), torch.maximum(shading, residual.shading)

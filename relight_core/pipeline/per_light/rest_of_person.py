@@ -1,9 +1,9 @@
-"""Shoulders, arms and hands beyond the networks' view: a coarse guess of what the light does to them.
+"""Shoulders, arms and hands beyond the networks' view: a coarse estimate of how the light changes them.
 
-A person's outline says roughly how the body bulges: surfaces turn away toward it. Light that falls on such
-normals varies over the body as it does over a real one. The photo holds what its own light made of that body, so
-the guess under a new light is divided by that under the photo's (Liu, Shan and Zhang 2001): under its own light
-the rest of the person stays as it is. What the networks did within their view corrects the guess there, and the
+A person's outline gives a rough shape of the body, whose surface turns away toward the outline. Irradiance on the
+normals of this shape varies over the body much as on the real one. The photo already contains the effect of its own
+light, so the estimate under a new light is divided by the one under the photo's (Liu, Shan and Zhang 2001): under its
+own light the rest of the person stays as it is. Within the networks' view their result corrects the estimate, and the
 correction is continued outward, so that nothing changes abruptly at the view's edge.
 """
 
@@ -25,45 +25,45 @@ from relight_core.lighting.reflection import NormalLookup, ReflectionTable
 from relight_core.lighting.sphere import solid_angles
 
 _LONGEST, _LONGEST_KNOWN = 128, 64
-"""The longer side of the body's own maps, and of those of what the views did."""
+"""The longer side of the body's own maps, and of the maps in which corrections are continued."""
 _DARK, _LEAST = 1e-3, 1e-9
-"""What is added to radiances before they are divided, and the least that a logarithm is taken of."""
+"""Added to radiances before a division, and the smallest argument of a logarithm."""
 
 _WELL_SEEN, _HEADROOM = 0.1, 0.1
-"""Luminance of the photo below which, and distance from clipping within which, its gain says less; never less than
+"""Below this luminance of the photo, and within this distance from clipping, a correction has less weight, down to
 `_FLOOR`."""
 _FLOOR = 0.02
 _HARDLY, _UNSEEN = (0.02, 0.1), 1e-3
-"""A channel whose value is less than the first share of the brightest channel's says next to nothing (the last) about
-its gain, from the second on all: gloss on red cloth would be twenty times its green, and turn white cloth beside it
+"""Ramp of a channel's value over the brightest channel's, from the weight `_UNSEEN` to full weight: the gain of a dark
+channel says little. For example, gloss on red cloth is twenty times its green, and would turn white cloth beside it
 green."""
 _BARELY, _MOSTLY = 0.2, 0.6
-"""Shares of a place that views cover up to which what they did there is not carried on, and from which on it is in
-full: a neighbour's view counts a little even where it takes somebody's shirt for background."""
+"""Ramp of the share of a cell that views cover, over which corrections there are continued. Below it they aren't, since
+a neighbour's view may reach a little over somebody's shirt and take it for background."""
 
 _REFLECTS = 0.9
-"""The largest albedo that anything has."""
+"""The largest plausible albedo."""
 _BRIGHT_WITHIN = 5
-"""Side of the window, in cells, whose brightest decides whether that is exceeded, so that a pattern of cloth keeps its
+"""Side of the window, in cells, whose brightest cell is compared with that albedo, so that patterns keep their
 contrast."""
 _FILL = 0.15
-"""Light from all around that reaches any part of a body, as a share of the mean radiance."""
+"""Light that reaches any part of a body from all sides, as a share of the mean radiance."""
 _REACHES = (0.0125, 0.03, 0.08, 0.2)
-"""Deviations of the blurs by which values are carried on, in longer sides of the map; the widest where no other knows
-anything."""
+"""Standard deviations of the blurs by which values are continued, in longer sides of the map. The narrowest that
+reaches enough known values counts."""
 
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """What no light changes; maps over the whole photo.
+    """What doesn't depend on the light; maps over the whole photo.
 
     Attributes:
-        share: (h, w) the matte of each cell; h and w at most 128.
+        share: (h, w) the matte; h and w at most 128.
         light_of: the irradiance on the body's normals under a light.
         photo: (k, l, 3) linear; k and l at most 64.
-        onward: carries on what the views did from where they cover the body, (k, l).
-        has: (k, l, 3), in (0, 1], how much each channel of a place says about its gain.
-        by_colour: as `onward`, each channel weighted by `has` too.
+        onward: continues (k, l, C) values from where views cover the body.
+        has: (k, l, 3), in (0, 1], how much each channel says about its own gain.
+        by_colour: as `onward`, with each channel also weighted by `has`.
     """
 
     share: np.ndarray
@@ -74,18 +74,19 @@ class Body:
     by_colour: Continuation
 
     def carried_on(self, lit: np.ndarray, expected: np.ndarray) -> np.ndarray:
-        """Log ratio (k, l, 3) of what the views made of the body over what the guess expects, carried on beyond them.
+        """The log ratio (k, l, 3) of the views' result over the estimate, continued beyond the views.
 
-        Channels are carried on as means of logs, but luminance as the ratio of means: of a chest half in a lamp's light
-        the mean log is nearly the shadow's, and the body would step into the dark below the lit half. Far from anything
-        known, where chairs and tables may pass for a body, only the mean of logs holds.
+        Colours are continued as means of logs, but luminance as a ratio of means. For a chest half in a lamp's light
+        the mean of logs is nearly that of the shadow, and the body would become dark abruptly below the lit half. Far
+        from anything known, where chairs and tables may be taken for a body, luminance has the mean of logs too.
 
         Args:
-            lit, expected: (k, l, 3) linear, above 0; only read where views cover the body.
+            lit, expected: (k, l, 3) linear, > 0, from the views and from the estimate; only used where views cover the
+                body.
         """
         known = np.log(lit / expected)
         around = self.by_colour(known)
-        # A channel that hardly shows is off from its surroundings by as much as the others of its place.
+        # A channel that says little deviates from its surroundings by as much as the other channels there.
         off = (self.has * (known - around)).sum(-1, keepdims=True) / self.has.sum(-1, keepdims=True)
         colours = around + off + self.has * (known - around - off)
         light, due = luminance(lit), luminance(expected)
@@ -96,21 +97,22 @@ class Body:
 
 
 def body_size(photo_size: tuple[int, int]) -> tuple[int, int]:
-    """Size of a body's maps for a photo."""
+    """(height, width) of a body's maps for a photo of (height, width)."""
     return shrunk_size(photo_size, _LONGEST)
 
 
 def make_body(
     photo: np.ndarray, share: np.ndarray, known: np.ndarray, table: ReflectionTable, inside: Inside | None = None
 ) -> Body:
-    """Guess a body from its outline.
+    """Estimate a body from its outline.
 
     Args:
         photo: (h, w, 3) linear, of `body_size`.
-        share: (h, w) how much of each cell is person.
-        known: (h, w) in [0, 1] how much of each cell the networks' views cover.
-        inside: the cells that no frame of the photo's covers; None where it has no frame. Whom a frame cuts off goes
-            on behind it, as beyond the photo's border.
+        share: (h, w) in [0, 1], the matte.
+        known: (h, w) in [0, 1], the share of each cell that the networks' views cover.
+        table: for the irradiance.
+        inside: the cells within the photo's frame; None if it has no frame. A body that the frame cuts off is taken to
+            continue behind it, as beyond the photo's border.
     """
     outline = share if inside is None else going_on(share[inside], inside, share.shape)
     normal = as_tensor(_bulging(outline), table.transport.device)
@@ -126,7 +128,7 @@ def make_body(
 
 @torch.inference_mode()
 def body_shading(body: Body, light: torch.Tensor) -> np.ndarray:
-    """Irradiance over pi that a light gives the body, with some fill, (h, w, 3) > 0: a white matte body's radiance.
+    """Irradiance over pi on the body, with some fill, (h, w, 3) > 0, which is the radiance of a white matte body.
 
     Args:
         light: (1, 16, 32, 3), mean luminance 1.
@@ -138,13 +140,15 @@ def body_shading(body: Body, light: torch.Tensor) -> np.ndarray:
 
 
 def body_gain(body: Body, light: torch.Tensor, relit: np.ndarray, in_photo: np.ndarray | None = None) -> np.ndarray:
-    """Gain (h, w, 3) by which the photo becomes the body under a light, over the whole photo, normalised light.
+    """The gain (h, w, 3) that turns the photo into the body under a normalised light, over the whole photo.
 
     Args:
+        body: of the photo.
         light: (1, 16, 32, 3), mean luminance 1.
-        relit: (k, l, 3) linear, the photo as the networks relit it, below 0 as black; only read where they saw it.
-        in_photo: (h, w, 3) `body_shading` of the light the photo was taken in; None where that isn't known, and the
-            photo counts as lit evenly.
+        relit: (k, l, 3) linear, the networks' relit picture, only used where they saw the photo; negative values count
+            as black.
+        in_photo: (h, w, 3) `body_shading` under the photo's own light; None if that isn't known, and the photo counts
+            as evenly lit.
     """
     guess = body_shading(body, light)
     if in_photo is not None:
@@ -159,13 +163,16 @@ def body_gain(body: Body, light: torch.Tensor, relit: np.ndarray, in_photo: np.n
 
 
 def _in_bounds(correction: np.ndarray, body: Body, guess: np.ndarray, in_photo: np.ndarray) -> np.ndarray:
-    """A log correction, (k, l, 3), lowered where the body would reflect more light than falls on it.
+    """A log correction (k, l, 3), lowered where the body would reflect more light than falls on it.
 
-    It is never lowered below its mean: under the photo's own light it is the same everywhere, and must stay.
+    It is not lowered below its mean over the known body. Under the photo's own light it is the same everywhere, and
+    must not change.
 
     Args:
-        guess: (k, l, 3) the gain that it corrects.
-        in_photo: (k, l, 3) as `body_gain` has it.
+        correction: of the gain.
+        body: of the photo.
+        guess: (k, l, 3) the gain that is corrected.
+        in_photo: (k, l, 3) as of `body_gain`.
     """
     relit = body.photo * guess * np.exp(correction)
     given_back = relit.max(-1) / (guess * in_photo).max(-1)
@@ -177,7 +184,7 @@ def _in_bounds(correction: np.ndarray, body: Body, guess: np.ndarray, in_photo: 
 
 
 def _bulging(share: np.ndarray) -> np.ndarray:
-    """Normals (h, w, 3) of a body that is as thick as it is wide: half an ellipse over every cross-section."""
+    """Normals (h, w, 3) of a body that is as thick as it is wide, with elliptical cross-sections."""
     inside = (share > 0.5).astype(np.uint8)
     padded = cv2.copyMakeBorder(inside, 1, 1, 1, 1, cv2.BORDER_REPLICATE)
     depth = np.minimum(cv2.distanceTransform(padded, cv2.DIST_L2, 5)[1:-1, 1:-1], max(share.shape) / 2)
@@ -190,17 +197,17 @@ def _bulging(share: np.ndarray) -> np.ndarray:
 
 
 class Continuation:
-    """Values where they are known, and means over ever wider surroundings where they are not.
+    """Continues values from where they are known, by means over surroundings that are as wide as necessary.
 
     Attributes:
-        within_reach: (k, l, 1 or C) in [0, 1], whether enough is known in the widest surroundings.
+        within_reach: (k, l, 1 or C) in [0, 1], whether the widest surroundings contain enough known values.
     """
 
     def __init__(self, weight: np.ndarray):
-        """Work out all that depends on where something is known.
+        """Compute what depends only on where values are known.
 
         Args:
-            weight: (k, l) >= 0, how much the values are worth there, or (k, l, C), how much each of them is.
+            weight: (k, l) >= 0, of all channels of a value, or (k, l, C), of each of them.
         """
         self._weight = weight.astype(np.float32).reshape(*weight.shape[:2], -1)
         self._total = self._weight.sum((0, 1))
@@ -212,7 +219,7 @@ class Continuation:
         self.within_reach = self._trust[0]
 
     def __call__(self, values: np.ndarray) -> np.ndarray:
-        """The values (k, l, C) carried on."""
+        """The values (k, l, C), continued to all cells; 0 if nothing is known."""
         if self._total.max() < 1e-3:
             return np.zeros_like(values)
         weighted = values * self._weight
@@ -222,16 +229,16 @@ class Continuation:
         return result.astype(np.float32)
 
     def mean(self, values: np.ndarray) -> np.ndarray:
-        """(C,) of the values (k, l, C), by what they are worth."""
+        """The weighted mean (C,) of values (k, l, C)."""
         return (values * self._weight).sum((0, 1)) / np.maximum(self._total, 1e-9)
 
     def _blurred(self, image: np.ndarray) -> np.ndarray:
-        """(k, l, C) over every reach, the widest first: (reaches, k, l, C)."""
+        """An image (k, l, C) blurred by every reach, the widest first, (reaches, k, l, C)."""
         height, width, channels = image.shape
         rows = (self._down.reshape(-1, height) @ image.reshape(height, -1)).reshape(-1, height, width, channels)
         return self._across[:, None] @ rows
 
 
 def _blur(side: int, deviation: float) -> np.ndarray:
-    """(side, side) weights that blur an axis as cv2 does, which is quicker than to blur each time."""
+    """The matrix (side, side) of OpenCV's Gaussian blur along an axis; products with it are faster than blurring."""
     return cv2.GaussianBlur(np.eye(side, dtype=np.float32), (1, 2 * round(4 * deviation) + 1), 0, sigmaY=deviation)

@@ -1,8 +1,8 @@
-"""Light of small lamps that lit skin throws into their shadows.
+"""Interreflection: light of small lamps that lit skin reflects into their shadows.
 
-The SS network learnt its shadows from heads that light themselves, so they are as light as that makes them. Those
-that the relief casts in their place know direct light alone: beside a nose, where skin looks straight at a lit cheek,
-they would be black smears. The first bounce gives back what is missing, in the colour of skin.
+The SS network was trained on heads with interreflection, so its shadows are as light as that makes them. The relief's
+shadows, which replace them, contain only direct light: beside a nose, where skin faces a lit cheek, they would be
+black smears. The first bounce adds what is missing, in the colour of skin.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ from relight_core.lighting.bounce import Bounce, gather_bounce
 from relight_core.pipeline.stages import Surface
 
 _RECEIVERS = 64
-"""Pixels of a side at which it is gathered: what is thrown from skin to skin has no edges."""
+"""Pixels along a side of the maps in which it is gathered; interreflection has no sharp edges."""
 
 
 @torch.inference_mode()
 def skin_bounce(surface: Surface) -> Bounce:
-    """What bare skin gets of all that the surface sends out; eye sockets have their own (see `stages.reflector`)."""
+    """The bounce from the whole surface to bare skin, but not to eye sockets, which `stages.reflector` has already."""
     receives = _shrunk(surface.bare_skin * (1 - surface.eye_sockets))
     relief, person = _shrunk(surface.relief), _shrunk(surface.person)
     normal = unit_normals(_shrunk(surface.normal))
-    # Radiance is asked for, which has the albedo in it.
+    # An albedo of 1, since `thrown_back` is given radiance, which contains the albedo.
     return gather_bounce(normal, relief, torch.ones_like(normal), person, receives[0, 0])
 
 
 def thrown_back(bounce: Bounce, radiance: torch.Tensor, albedo: torch.Tensor) -> torch.Tensor:
-    """What a surface that sends out a radiance sends out once more, (1, 3, S, S).
+    """The radiance that a surface's skin reflects a second time, (1, 3, S, S), from the radiance that it sends out.
 
     Args:
         bounce: `skin_bounce` of the surface.

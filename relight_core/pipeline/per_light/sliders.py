@@ -1,4 +1,4 @@
-"""What the sliders do to a relit view: effects scaled, shadows with softer edges, and shine of another colour."""
+"""What the sliders do to a relit view: scale effects, soften shadows, and tint highlights."""
 
 from __future__ import annotations
 
@@ -19,29 +19,30 @@ _WIDEST = 0.09
 """Standard deviation of the blur at softness 1, as a share of the view's side."""
 
 _STEP = 0.09
-"""A change of height, in half-widths of the view, that keeps the blur from crossing it about as two deviations do."""
+"""A step of height, in half-widths of the view, that stops the blur about as much as two standard deviations do."""
 
 _NOSTRIL = 0.055
-"""Of the view's side: nostrils are narrower."""
+"""Nostrils are narrower than this share of the view's side."""
 
 _SOCKET = 0.12
-"""Of the view's side: eyes with their lids are narrower."""
+"""Eyes with their lids are narrower than this share."""
 
 _EAR_HOLLOW = 0.08
-"""The same of the hollows of ears."""
+"""The hollows of ears are narrower than this share."""
 
 _OUTLINE = 0.5
-"""What the person's outline counts for, as a change of height."""
+"""The step of height that the person's outline stands for."""
 
 
 @dataclass(frozen=True)
 class SliderChange:
-    """What the sliders do to a composed image: image * kept + added + lifted; all (1, 3, S, S), >= 0, kept <= 1.
+    """The sliders' change of a composed image: image * kept + added + lifted; all (1, 3, S, S), >= 0, kept <= 1.
 
     Attributes:
-        kept: what is left of it.
+        kept: the factor by which it is darkened.
         added: gloss.
-        lifted: diffuse light that a weaker or softer shadow lets through, which multiplies what the surface shows.
+        lifted: diffuse light that a weaker or softer shadow lets through. It is kept apart from gloss, since it shows
+            the surface's pattern.
     """
 
     kept: torch.Tensor
@@ -58,15 +59,19 @@ def move_sliders(
     specular_gain: float | torch.Tensor,
     shadow_gain: float,
 ) -> SliderChange:
-    """The change of the image with its effects scaled (paper, Figure 12); none at gains of 1.
+    """The change of the image when its effects are scaled (paper, Figure 12); none at gains of 1.
 
-    The network's correction is learned at gains of 1. The sliders move the explicit sum, and the image
-    with it: darker by the sum's ratio, brighter by its difference, so that more shadow never brightens
-    and more gloss never darkens a pixel, and the network need not run again.
+    The network's correction is trained at gains of 1 and isn't computed again. The sliders change the explicit sum, and
+    the image with it: it is darkened by the sum's ratio and brightened by its difference. So more shadow never
+    brightens a pixel, and more gloss never darkens one.
 
     Args:
-        effects: those that the image was composed of, but for a softer shadow. An image may have been composed without
-            its gloss where `specular_gain` is 0.
+        composed: the image.
+        surface: of the view.
+        reflected: as of `hints.explicit_sum`.
+        effects: those the image was composed from, possibly with a softer shadow. If `specular_gain` is 0, the image
+            may have been composed without gloss.
+        specular_gain, shadow_gain: the sliders' values.
     """
     matt, gloss = explicit_parts(surface.albedo, reflected, effects, shadow_gain)
     moved = matt + specular_gain * gloss
@@ -82,9 +87,9 @@ def move_sliders(
 
 
 def _without_nostrils(lifted: torch.Tensor, parsing: torch.Tensor) -> torch.Tensor:
-    """Light given back (1, 3, S, S), but in nostrils no more of it than around them.
+    """Lifted light (1, 3, S, S), of which nostrils get no more than their surroundings.
 
-    Their normals face the lamp as often as not, so that without a shadow they would shine out of a nose.
+    Their normals often face the lamp, so without a shadow they would shine.
     """
     window = _window(_NOSTRIL, lifted, cv2.MORPH_RECT)
     nose = as_tensor(cv2.dilate(as_image(parsing[:, INDEX["nose"], None]), window), lifted.device)
@@ -92,15 +97,18 @@ def _without_nostrils(lifted: torch.Tensor, parsing: torch.Tensor) -> torch.Tens
 
 
 def _share_as_around(open_to_light: torch.Tensor, before: torch.Tensor, surface: Surface) -> torch.Tensor:
-    """Share of what is given back that gives eyes no colour, and ears no more, than their surroundings get.
+    """The share of lifted light with which eyes get no other colour, and ears no more light, than their surroundings.
 
-    Balls face both of two lamps, where of a socket's skin one side alone faces each: without the shadow of the nose a
-    blue eye would look out of a red cheek. What is given back of all colours alike stays. The hollow of an ear faces
-    lamps that are behind the head's other side, and would glow. The share is that of no shadow at all, so that less
-    shadow never darkens a pixel.
+    Eyes: their normals are those of balls, which face two lamps at once, while each side of a socket faces only one.
+    Without the shadow of the nose, a red cheek would have a blue eye. So the part of the lifted light that exceeds the
+    surroundings is reduced to what all colours have of it.
+    Ears: their hollows face lamps behind the other side of the head, and would glow.
+
+    The share is computed for no shadow at all, whatever the slider's value, so that less shadow never darkens a pixel.
 
     Args:
-        open_to_light, before: (1, 3, S, S) what is seen of diffuse light with no shadow, and before it is lifted.
+        open_to_light, before: (1, 3, S, S) diffuse light without any shadow, and before it is lifted.
+        surface: of the view.
 
     Returns:
         (1, 3, S, S) in [0, 1].
@@ -115,18 +123,18 @@ def _share_as_around(open_to_light: torch.Tensor, before: torch.Tensor, surface:
 
 
 def _window(widest: float, like: torch.Tensor, shape: int) -> np.ndarray:
-    """Of an opening that takes away what is narrower than a share of a view."""
+    """The structuring element of an opening that removes what is narrower than a share of the view's side."""
     side_px = max(round(widest * like.shape[-1]), 1) | 1
     return cv2.getStructuringElement(shape, (side_px, side_px))
 
 
 def _opened(image: torch.Tensor, window: np.ndarray) -> torch.Tensor:
-    """An image (1, 3, S, S) without bright spots that a window does not fit into."""
+    """The morphological opening of an image (1, 3, S, S): without bright spots that are smaller than the window."""
     return as_tensor(cv2.morphologyEx(as_image(image), cv2.MORPH_OPEN, window), image.device)
 
 
 def _ears(parsing: torch.Tensor) -> torch.Tensor:
-    """(1, 1, S, S) in [0, 1]: bare skin beside the face that lies above its lips; none where no lips are seen."""
+    """The ears, (1, 1, S, S) in [0, 1]: bare skin outside the face, above the lips; none if no lips are seen."""
     lips = (parsing[0, INDEX["lips"]] > 0.5).any(1).nonzero()
     ears = parsing[:, INDEX["neck"], None].clone()
     ears[..., int(lips[0]) if len(lips) else 0 :, :] = 0
@@ -134,11 +142,11 @@ def _ears(parsing: torch.Tensor) -> torch.Tensor:
 
 
 def soften_shadow(effects: Effects, surface: Surface, reflected: torch.Tensor, softness: float) -> Effects:
-    """The effects with softer shadow edges, as a larger lamp casts them.
+    """The effects with softer shadow edges, as if from a larger lamp.
 
-    What is blurred is the share of the diffuse light that is hidden, not the shadow itself, so that skin keeps
-    its pattern; and it is blurred within a surface, not across the step from a chin to the neck behind it
-    (domain transform of Gastal and Oliveira 2011, guided by relief and outline).
+    The hidden share of the diffuse light is blurred, not the shadow itself, so that skin keeps its pattern. The blur
+    stays within a surface and doesn't cross, for example, the step from a chin to the neck behind it (domain transform
+    of Gastal and Oliveira 2011, guided by relief and outline).
 
     Args:
         effects, reflected: as of `hints.explicit_sum`.
@@ -154,11 +162,12 @@ def soften_shadow(effects: Effects, surface: Surface, reflected: torch.Tensor, s
 
 
 def specular_gain(gain: float, tint: float, device: torch.device | str = "cpu") -> float | torch.Tensor:
-    """The gain on the specular channel; with a tint one for each colour, (1, 3, 1, 1), of luminance `gain`.
+    """The gain on the specular channel; with a tint, one per colour, (1, 3, 1, 1), with a luminance of `gain`.
 
     Args:
-        tint: [-1, 1], from cool to warm; 0 leaves the light's own colour.
-        device: where the channel lies.
+        gain: the slider's value.
+        tint: [-1, 1], from cool to warm; 0 keeps the light's own colour.
+        device: of the channel.
     """
     if tint == 0:
         return gain
@@ -168,10 +177,10 @@ def specular_gain(gain: float, tint: float, device: torch.device | str = "cpu") 
 def _within_surfaces(hidden: np.ndarray, relief: np.ndarray, person: np.ndarray, softness: float) -> np.ndarray:
     hidden, deviation_px = np.nan_to_num(hidden), softness * _WIDEST * hidden.shape[0]
     guide = np.ascontiguousarray(np.dstack([relief, _OUTLINE * person]), np.float32)
-    # Of the filter's kinds the recursive one alone has no windows of whole pixels, which make the slider jump.
+    # The recursive variant, since the others have windows of whole pixels, with which the slider would jump.
     blurred = cv2.ximgproc.dtFilter(
         guide, hidden, sigmaSpatial=max(deviation_px, 1.0), sigmaColor=_STEP, mode=cv2.ximgproc.DTF_RF
     )
     blurred = np.clip(np.nan_to_num(blurred.reshape(hidden.shape)), 0, 1)
-    # It takes less than a pixel for one.
+    # The filter's smallest deviation is one pixel; below that its result is mixed in.
     return hidden + np.float32(min(deviation_px, 1.0)) * (blurred - hidden)
