@@ -1,11 +1,9 @@
-"""Shading that de-lighting left in the albedo, taken out by what is known of the light.
+"""Removal of light that de-lighting left in the albedo, once the photo's light is known.
 
-Whatever a person's skin looks like, its colour has no reason to follow the light: where it does, the
-network has mistaken one for the other. Once the source light is explained, that is measured over the skin
-and divided out.
-
-Nor has skin the colours of other lamps (see `skin_colour`), and the rim that a light from behind draws along a jaw is
-no part of it (see `glare`). All else has the colours that it is seen in (see `seen_colour`).
+The albedo of skin has no reason to correlate with shading. If it does, the network has mistaken shading for albedo; the
+correlation is measured over the skin and divided out. Colours of other lamps are removed from skin too (see
+`skin_colour`), and so is the rim that a light from behind draws along a jaw (see `glare`). Everything else gets the
+colours that photo and light give it (see `seen_colour`).
 """
 
 from __future__ import annotations
@@ -25,18 +23,22 @@ from relight_core.pipeline.per_photo.white_hair import above_the_eyes
 from relight_core.pipeline.stages import Surface, at_surface_size
 
 _STRONGEST = 1.0
+"""Largest power of the shading that is divided out."""
 _FLOOR = 0.02
+"""Added to irradiance, so that deep shadows don't divide by 0."""
 _CLIPPED = 0.95
+"""Value of a channel from which on a pixel is too near to clipping to be measured."""
 
 
 @torch.inference_mode()
 def flatten_albedo(surface: Surface, relief: ReliefTransport, light: torch.Tensor, reflected: torch.Tensor) -> Surface:
-    """The surface without what is left of the light in its skin's albedo, and with the colours of all else.
+    """The surface with the light removed from its skin's albedo, and with everything else in the colours it is seen in.
 
     Args:
+        surface: of the photo.
         relief: transport of the surface's own relief.
-        light: (1, 16, 32, 3) the source light.
-        reflected: (1, 6, S, S) irradiance over pi and gloss of that light, no shadows.
+        light: (1, 16, 32, 3) the photo's light.
+        reflected: (1, 6, S, S) unoccluded irradiance over pi and gloss of that light.
     """
     shading = at_surface_size(grey_irradiance(relief, light), surface) + _FLOOR
     skin = _skin_below_hair(surface.parsing)
@@ -50,8 +52,8 @@ def flatten_albedo(surface: Surface, relief: ReliefTransport, light: torch.Tenso
 def _without_shading(surface: Surface, log_shading: torch.Tensor, skin: torch.Tensor) -> Surface:
     """The surface with its skin's albedo divided by the shading that is left in it.
 
-    The slope of log albedo over log shading (1, 1, S, S), by least squares over the skin, is the power of the shading
-    that went into the albedo.
+    The albedo contains a power of the shading. That power is the slope of log albedo over log shading (1, 1, S, S), by
+    least squares over the skin.
     """
     albedo = exact_logs(grey(surface.albedo))
     known = (skin > SURELY) & (surface.photo.amax(1, keepdim=True) < _CLIPPED)
@@ -68,16 +70,16 @@ def _without_shading(surface: Surface, log_shading: torch.Tensor, skin: torch.Te
 
 
 def _skin_below_hair(parsing: torch.Tensor) -> torch.Tensor:
-    """(1, 1, S, S) probability of bare skin, of (1, classes, S, S), without the scalp.
+    """The probability of bare skin without the scalp, (1, 1, S, S), from (1, classes, S, S).
 
-    A scalp is parsed as neck, bald or with hair that is cropped, and white hair on top of a head would pass for
-    skin that the light's shading and colours are left in.
+    Both bald scalps and cropped hair are parsed as neck. White hair on top of a head would then count as skin in whose
+    albedo shading and colours of the light are left.
     """
     skin, above = skin_share(parsing), above_the_eyes(parsing)
     return skin if above is None else skin - parsing[:, INDEX["neck"], None] * above
 
 
 def grey_irradiance(relief: ReliefTransport, light: torch.Tensor) -> torch.Tensor:
-    """Rec.709 irradiance / pi behind the relief's own shadows, (1, 1, S, S), of one light (1, 16, 32, 3)."""
+    """Luminance of the irradiance over pi under a light (1, 16, 32, 3), with the relief's shadows, (1, 1, S, S)."""
     image = (relief.shadowed @ light.cpu().flatten(1, 2)[0]).T.reshape(1, 3, relief.size, relief.size)
     return grey(image)

@@ -1,7 +1,7 @@
-"""Where a photo is blown out it says nothing of a surface's colour, and the networks' guess there is noise in colours.
+"""Colours of what is blown out in the photo, where the networks only guess, with colour noise.
 
-Blown skin has the colour of the skin around it, and blown lips that of what is left of them. Other things that are
-blown are white: a cap, a collar, a wall.
+Blown-out skin gets the colour of the skin around it, and blown-out lips that of the rest of the lips. Anything else,
+such as a cap, a collar or a wall, is white.
 """
 
 from __future__ import annotations
@@ -14,35 +14,36 @@ from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
 
 _FROM, _TO = 0.9, 0.99
-"""Values of a channel, linear, from which on it counts as clipped, in part and altogether."""
+"""Ramp of a channel's linear value over which it becomes clipped."""
 _LITTLE = 1e-4
-"""The weight of pixels that count only where there are no others; its powers, where there are not even those."""
+"""Weight of pixels that only count if there are no better ones. Its powers are for those that only count if even these
+are missing."""
 _BRIGHTER = 1.4
-"""How much brighter than the skin around blown skin may be taken for, at the most."""
+"""Blown-out skin is at most so many times as bright as the skin around it."""
 _ENOUGH = 0.02
-"""Mean weight of an area from which on its own mean is taken, and not that of wider surroundings."""
+"""From this mean weight on, an area is filled with its own mean instead of that of wider surroundings."""
 _SKIN_FOR_LIPS = 0.02
-"""The weight of skin's colour beside that of lips, for lips of which nothing is left."""
+"""Weight of skin's colour relative to that of lips, for lips that are blown out altogether."""
 
 
 def clipped_share(photo: torch.Tensor) -> torch.Tensor:
-    """How far each channel of a photo (1, 3, S, S), linear, counts as clipped, [0, 1]."""
+    """The degree to which each channel of a photo (1, 3, S, S), linear, is clipped, [0, 1]."""
     return ramp(photo, _FROM, _TO)
 
 
 def flesh_share(parsing: torch.Tensor) -> torch.Tensor:
-    """(1, 1, S, S) probability of what isn't white where it is blown out: skin, with lips, and seen between brows."""
+    """The probability of what isn't white when it is blown out: skin, lips, and brows, between whose hairs is skin."""
     return (skin_share(parsing) + share_of(parsing, (*BROWS, "lips"))).clamp(0, 1)
 
 
 def mend_blown(clipped: torch.Tensor, albedo: torch.Tensor, parsing: torch.Tensor) -> torch.Tensor:
-    """The albedo with colours that don't come from noise where the photo is blown out.
+    """The albedo with plausible colours where the photo is blown out.
 
-    Two clipped channels count as blown, one as half so. A single one is lifted to where the others leave it in the
-    colour of the skin around: red is clipped first, and what is left of skin without it is yellow.
+    Two clipped channels count as blown out, one as half. A single clipped channel is raised until it has, with the
+    other two, the colour of the skin around. That is mostly red, which is clipped first, so that skin turns yellow.
 
     Args:
-        clipped: (1, 3, S, S) how far each channel of the photo is clipped there, see `clipped_share`.
+        clipped: (1, 3, S, S) in [0, 1], see `clipped_share`.
         albedo: (1, 3, S, S) linear.
         parsing: (1, classes, S, S) probabilities.
     """
@@ -62,7 +63,7 @@ def mend_blown(clipped: torch.Tensor, albedo: torch.Tensor, parsing: torch.Tenso
 
 
 def _colour_around(albedo: torch.Tensor, parsing: torch.Tensor, known: torch.Tensor) -> torch.Tensor:
-    """(1, 3, S, S) the albedo of skin all over, and of lips where there are lips."""
+    """The albedo of known skin continued everywhere, and on lips that of known lips, (1, 3, S, S)."""
     skin, lips = skin_share(parsing).square() * known, parsing[:, INDEX["lips"], None]
     around = fill_in(albedo, skin + _LITTLE**3)
     if bool((lips > 0.5).any()):
@@ -72,15 +73,16 @@ def _colour_around(albedo: torch.Tensor, parsing: torch.Tensor, known: torch.Ten
 
 
 def at_least(log_ratio: torch.Tensor, clipped: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
-    """The log ratio of a photo over its model where clipped channels may have been brighter than they look.
+    """The log ratio of a photo over its model, raised where clipped channels were brighter than the photo shows.
 
-    A clipped channel was off by as much as those that are not clipped, if that makes it brighter. Where all are
-    clipped, skin has the model's colour and anything else is white; a model that is brighter still is not wrong.
+    A clipped channel gets the ratio of the channels that are not clipped, if that is higher. Where all are clipped,
+    skin gets the model's colour and anything else is white. A model that is brighter than the clipped photo may be
+    right, so it is not darkened.
 
     Args:
         log_ratio: (1, 3, S, S).
-        clipped: (1, 3, S, S) how far each channel of the photo is clipped there, see `clipped_share`.
-        skin: (1, 1, S, S) how much it is skin, [0, 1].
+        clipped: (1, 3, S, S) in [0, 1], see `clipped_share`.
+        skin: (1, 1, S, S) in [0, 1], see `flesh_share`.
     """
     reliable = 1 - clipped
     known = reliable.sum(1, keepdim=True)
@@ -92,11 +94,11 @@ def at_least(log_ratio: torch.Tensor, clipped: torch.Tensor, skin: torch.Tensor)
 
 
 def fill_in(image: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:
-    """Means over as wide surroundings as it takes to know something: push and pull (Gortler et al. 1996).
+    """Fill in unknown pixels by means over surroundings as wide as necessary: push-pull (Gortler et al. 1996).
 
     Args:
         image: (1, C, S, S).
-        weight: (1, 1, S, S) >= 0, how much each pixel is known; not 0 everywhere.
+        weight: (1, 1, S, S) >= 0, how well each pixel is known; not 0 everywhere.
     """
     sums, weights = [image * weight], [weight]
     while weights[-1].shape[-1] > 1:

@@ -1,9 +1,9 @@
-"""The brims of hats, of which a relief loses some of the height.
+"""The brims of hats, some of whose height gets lost in a relief.
 
-A brim that is looked at from the front is a pixel wide at the networks' size. Where it lies between two rows, its
-height is shared between them; where it lies on one, it is not. So it comes out as a row of teeth, and so would its
-shadow on the forehead under any small lamp. Whoever averages pixels, or passes between them as rays do where a brim
-slants, finds it lower still, and its shadow would be short and have holes.
+A brim that is seen from the front is one pixel wide at the networks' size. Where it lies on one row of pixels it has
+its full height; where it lies between two rows, they share it. So it looks like a row of teeth, and so would its shadow
+on the forehead under any small lamp. Averaging pixels lowers it further, and rays slip between the pixels of a slanted
+brim, so the shadow would be too short and have holes.
 """
 
 from __future__ import annotations
@@ -17,19 +17,20 @@ from relight_core.imaging.tensor_images import as_image, as_tensor
 from relight_core.lighting.relief import NOTHING
 
 _THIN = 0.04
-"""Share of the view's side: a brim that is looked at from the front lies in fewer rows, and reaches back over them."""
+"""Share of the view's side: a brim seen from the front is thinner than this, and is extended back over so many rows."""
 _TOOTH = 0.26
-"""Share of the view's side that is looked along a brim for what is higher."""
+"""Share of the view's side within which gaps along a brim are closed."""
 _STANDS_OUT = 0.03
-"""Half-widths of the view by which a brim at least stands out of the hat behind it."""
+"""A brim stands out from the hat behind it by at least so many half-widths of the view."""
 _MOST = 0.1
-"""Half-widths of the view that a brim may be missing; deeper gaps are a hat's own."""
+"""A brim may lack so many half-widths of the view; deeper gaps belong to the hat."""
 
 
 def with_whole_brims(relief: torch.Tensor, parsing: torch.Tensor) -> torch.Tensor:
-    """Heights (1, 1, S, S) with brims without teeth that reach back to their hats; nothing becomes lower.
+    """Heights (1, 1, S, S) in which brims have no gaps and reach back to their hats; nothing becomes lower.
 
-    Between two places of a brim it is as high as at the lower one, and the rows of the hat above it are as high as it.
+    Between two points of a brim it is at least as high as the lower of them (a morphological closing), and the rows of
+    the hat above it are raised to its height.
 
     Args:
         relief: in half-widths of the view, of a head that stands upright in it.

@@ -1,11 +1,11 @@
-"""Which places in a photo are faces: what cascades take for one, and parsing maps confirm or find by themselves.
+"""Which places in a photo are faces: cascades propose them, and parsing maps confirm or find them.
 
-Cascades alone are not believed, so they are judged by the parsing of the place they point at (`face.evidence`):
+Cascades alone are unreliable, so their places are judged by the parsing there (`face.evidence`):
 
 - *evidence* is how many of brows, eyes and mouth win pixels there, 0 to 3;
-- a *glimpse* is the same count of parts that are only suspected, by probabilities too small to win a pixel;
-- to *locate* is to let the parsing of a view say where a face is, with no cascade;
-- to *look closer* is evidence of a stricter kind, asked of guesses beside known faces, where most are none.
+- a *glimpse* is the same count by probabilities, which may be too small to win a pixel;
+- to *locate* is to find a face in a view by its parsing alone, without a cascade;
+- to *look closer* is a stricter kind of evidence, for guesses beside known faces, most of which are wrong.
 """
 
 from __future__ import annotations
@@ -31,45 +31,46 @@ from relight_core.face.windows import search_windows
 from relight_core.imaging.photo import Photo
 
 _ENOUGH_EVIDENCE, _ALL_EVIDENCE = 2, 3
-"""Of the three parts: of any face two are seen at least."""
+"""Parts out of three; any face shows at least two."""
 
 _UPRIGHT_TO_DEG, _LYING_FROM_DEG = 15.0, 45.0
-"""Rolls up to which a face is upright, and from which on it lies or is upside down; below the latter it stands."""
+"""Up to the first roll a face is *upright*. Up to the second it *stands*, and from there on it lies or is upside down.
+"""
 
 _SPECK, _SUSPECTED_SPECK, _MUCH_WIDER = 0.1, 0.2, 3
-"""A face narrower than this share of the photo's shorter side is a speck, the second if it is only suspected, and gives
-way to one so much wider."""
+"""A *speck* is narrower than the first share of the photo's shorter side, or than the second if there is hardly any
+evidence of it. It gives way to a face that is more than three times as wide."""
 
 _LARGER = 1.5
-"""A face is so many times as wide as what passes for another in it."""
+"""A face is so many times as wide as a part of it that was taken for another face."""
 
 _AGREED, _SAME_PLACE = 4, 0.7
-"""Windows of the search that lead to one place, where boxes share so much of their union."""
+"""Number of search windows that must lead to the same place, and intersection over union of the same place."""
 
 
 class Eyes(Protocol):
-    """What looks at places in a photo."""
+    """A judge of places in a photo; the module explains its terms."""
 
     def evidence(self, box: FaceBox) -> int:
-        """0 to 3. With 2 a box of the cascades counts, and where none does, less likely places are judged by it, also
-        those of faces that lie or are upside down."""
+        """0 to 3. 2 confirms a box of the cascades. If none is confirmed, less likely places are judged by it."""
 
     def glimpse(self, box: FaceBox) -> int:
-        """0 to 3. With 3 a box on which the cascades agree counts, or a face that lies or is upside down; with 2 or 3
-        a place to which `locate` leads from several views."""
+        """0 to 3. 3 confirms a box of the cascades, or a face that lies or is upside down; 2 or 3 a place that `locate`
+        finds from several views."""
 
     def locate(self, view: Crop) -> FaceBox | None:
-        """The face in a view of the photo, if any; asked where nothing else finds one, or only specks."""
+        """The face in a view of the photo, if any; used if nothing else finds one, or only specks."""
 
     def look_closer(self, box: FaceBox) -> int:
-        """A stricter `evidence`, of more faces beside confirmed ones, where there is room for some."""
+        """A stricter `evidence` for more faces beside confirmed ones."""
 
 
 def choose_faces(photo: Photo, eyes: Eyes | None = None) -> list[FaceBox]:
     """All faces, the largest first.
 
     Args:
-        eyes: what judges the boxes of the cascades, and finds what these don't; None believes the cascades.
+        photo: to search.
+        eyes: judges the boxes of the cascades, and finds what these miss; None trusts the cascades.
 
     Raises:
         NoFaceError: no face.
@@ -84,11 +85,11 @@ def choose_faces(photo: Photo, eyes: Eyes | None = None) -> list[FaceBox]:
 
 
 def those_chosen(photo: Photo, faces: Sequence[FaceBox], face_index: int | None) -> list[FaceBox]:
-    """All of a photo's faces, or only the one of an index.
+    """All of a photo's faces, or only the one with an index.
 
     Raises:
         NoFaceError: there are none.
-        InputError: no such index.
+        InputError: there is no such index.
     """
     name = photo.path or "the photo"
     if not faces:
@@ -106,7 +107,7 @@ def those_chosen(photo: Photo, faces: Sequence[FaceBox], face_index: int | None)
 def _confirmed(photo: Photo, found: list[FaceBox], eyes: Eyes) -> list[FaceBox]:
     """The confirmed boxes; else the best guess; else what is located; else boxes with any evidence at all.
 
-    Small faces in a large photo are looked for last: hardly a portrait has none but those, and the search takes longer
+    Small faces in a large photo come last, since hardly a portrait has only those, and the search for them takes longer
     than everything before.
     """
 
@@ -122,14 +123,14 @@ def _confirmed(photo: Photo, found: list[FaceBox], eyes: Eyes) -> list[FaceBox]:
 
     faces = list(filter(is_sure, found))
     if faces and all(_is_speck(face, photo, eyes.evidence(face)) for face in faces):
-        # Specks are often a button or a fold beside a face that cascades don't see, in profile, or the teeth of one
-        # that lies. A much wider face that is seen whole is preferred.
+        # A speck is often a button or a fold beside a face in profile, which cascades don't see, or the teeth of a face
+        # that lies. A much wider face with full evidence is preferred.
         least_width = _MUCH_WIDER * max(face.width for face in faces)
-        # Where a face lies, the search may merely suspect one that stands: then a guess that shows all is better.
+        # If the face lies, the search may find some evidence of a standing one; a guess with full evidence is better.
         places = (_wider(look(), least_width) for look in (searched, guessed))
         faces = _fullest(places, eyes) or faces
     if not faces:
-        # Not simply the first: beside a leaning head, leaves that pass for half a face may be all that cascades hit.
+        # Not simply the first: beside a leaning head, cascades may only hit leaves that look like half a face.
         faces = _fullest((look() for look in (guessed, searched)), eyes)
     if not faces and not found:
         found = find_small_faces(photo)
@@ -142,10 +143,11 @@ def _confirmed(photo: Photo, found: list[FaceBox], eyes: Eyes) -> list[FaceBox]:
 
 
 def _fullest(choices: Iterable[list[FaceBox]], eyes: Eyes) -> list[FaceBox]:
-    """The first choice whose faces all have full evidence, else the first that has any faces.
+    """The first choice whose faces all have full evidence, otherwise the first that has any faces.
 
-    Where the photo cuts off a brow, one half of the face, or its nostrils and mouth, may pass for a small face that
-    lies. Such a choice gives way to a later one with a much larger upright face around it and no less evidence.
+    With one exception: if the photo cuts off a brow, half of the face, or its nostrils and mouth, may be taken for a
+    small face that lies. Such a choice gives way to a later one with a larger upright face around it and no less
+    evidence.
     """
     left: list[FaceBox] = []
     for faces in choices:
@@ -160,7 +162,7 @@ def _fullest(choices: Iterable[list[FaceBox]], eyes: Eyes) -> list[FaceBox]:
 
 
 def _lies_within(parts: list[FaceBox], faces: list[FaceBox]) -> bool:
-    """Whether all of `parts` lie and are small parts of the first of `faces`, which is upright."""
+    """Whether the first of `faces` is upright, and all of `parts` lie and are small parts of it."""
     face = faces[0]
     return abs(face.roll_deg) < _UPRIGHT_TO_DEG and all(
         abs(part.roll_deg) >= _LYING_FROM_DEG
@@ -176,16 +178,17 @@ def _wider(faces: list[FaceBox], least_width: float) -> list[FaceBox]:
 
 
 def _is_speck(face: FaceBox, photo: Photo, seen: int) -> bool:
+    """Whether a face with less than full evidence, `seen`, is very small in the photo."""
     share = _SPECK if seen >= _ENOUGH_EVIDENCE else _SUSPECTED_SPECK
     return seen < _ALL_EVIDENCE and face.width < share * min(photo.linear.shape[:2])
 
 
 def _searched(photo: Photo, eyes: Eyes) -> list[FaceBox]:
-    """The one face that a search through the whole photo finds, if any, with no cascade.
+    """The one face that a search of the whole photo without cascades finds, if any.
 
-    Full evidence ends the search. A face that is turned far aside, bowed, or cut by the photo's edge shows only halves
-    or slivers of brows and eyes. There a glimpse of 3 is enough where four windows lead to the same place, and one of 2
-    where five do.
+    Full evidence ends the search. A face that is turned far aside, bowed, or cut by the photo's edge only shows halves
+    or slivers of brows and eyes. For such a face a glimpse of 3 is enough if four windows lead to the same place, and
+    one of 2 if five do.
     """
     places: list[FaceBox] = []
     for place in map(eyes.locate, search_windows(photo.linear.shape[:2])):
@@ -209,7 +212,7 @@ def _same_place(place: FaceBox, other: FaceBox) -> bool:
 
 
 def _with_companions(photo: Photo, faces: list[FaceBox], eyes: Eyes) -> list[FaceBox]:
-    """The faces, and those beside them that the finder saw too little of, the largest first."""
+    """The faces, with more beside them that the finder missed, the largest first."""
     more = [guess for guess in guess_companions(photo, faces) if eyes.look_closer(guess) >= _ENOUGH_EVIDENCE]
     if not more:
         return faces
@@ -220,7 +223,7 @@ def _with_companions(photo: Photo, faces: list[FaceBox], eyes: Eyes) -> list[Fac
 
 
 def _best(guesses: Iterable[FaceBox], eyes: Eyes) -> list[FaceBox]:
-    """The guess of the highest rank, if it has any; the first that shows all of a face and stands ends it."""
+    """The guess of the highest rank, if any has one. The first that stands and has full evidence ends the search."""
     best, highest = [], ()
     for guess in guesses:
         rank = _rank(eyes.evidence(guess), eyes.glimpse(guess), abs(guess.roll_deg))
@@ -232,11 +235,17 @@ def _best(guesses: Iterable[FaceBox], eyes: Eyes) -> list[FaceBox]:
 
 
 def _rank(seen: int, suspected: int, leaning_deg: float) -> tuple[int, ...]:
-    """What guesses at a face are compared by, the larger the better; empty where too little of a face is seen.
+    """The rank by which guesses are compared, higher is better; empty if too little of a face is seen.
 
-    A guess with full evidence goes first, and of those one that stands; then the larger glimpse, then the one that
-    stands. A face that lies or is upside down and hides a part is told from animals and stones by what is suspected: of
-    it no part may be missing. Of an upright one, such as a face in profile, an evidence of 1 is enough then.
+    A guess with full evidence comes first, and among these one that stands; then the larger glimpse, then one that
+    stands. A face that lies or is upside down and lacks evidence of a part must have a glimpse of all three, which
+    distinguishes it from animals and stones. For an upright face with such a glimpse, such as one in profile, an
+    evidence of 1 is enough.
+
+    Args:
+        seen: evidence.
+        suspected: glimpse.
+        leaning_deg: absolute roll.
     """
     upright, stands = leaning_deg < _UPRIGHT_TO_DEG, leaning_deg < _LYING_FROM_DEG
     complete, nothing_missing = seen == _ALL_EVIDENCE, _ALL_EVIDENCE in (seen, suspected)

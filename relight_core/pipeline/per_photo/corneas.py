@@ -1,8 +1,10 @@
-"""The wet fronts of a photo's eyes, and the photo without the lights that were mirrored in them.
+"""The corneas in a photo, and the catchlights in them.
 
-A catchlight is where the eye mirrors a lamp. It is the one highlight that networks at 3 mm a pixel cannot move: a
-relit face whose eyes still show the studio gives itself away. Here the photo's own are found in the irises, so that
-those of the new light can take their place (`per_light.catchlights`).
+A catchlight is the reflection of a lamp in the eye. It is the one highlight that networks with pixels of 3 mm can't
+move, and a relit face whose eyes still show the studio gives itself away. So the photo's own catchlights are found in
+the irises, to be replaced by those of the new light (`per_light.catchlights`).
+
+Lengths are in radii of the iris unless stated otherwise.
 """
 
 from __future__ import annotations
@@ -21,47 +23,52 @@ from relight_core.imaging.ramp import ramp
 from relight_core.lighting.sphere import place_on_map
 
 _LARGEST_PX = 384
-"""Of an eye's square: those of the photo, or the hole that a catchlight leaves would show its rim."""
+"""Largest side of an eye's square. Smaller eyes have the photo's own pixels, or the rim of the hole that a catchlight
+leaves would show."""
 _FEWEST_NORMALS, _MOST_NORMALS = 96, 128
-"""Across that square: lamps are smaller than what a pixel of a small eye mirrors, and not so in a large one."""
+"""Normals across that square: more than pixels in a small eye, where a pixel mirrors more than a lamp."""
 _REACH = 1.25
-"""Half the square about an iris, in its radii."""
+"""Half the side of an eye's square."""
 _SPECK = 0.3
-"""Radii of an iris: half of the widest catchlight that is told from the iris."""
+"""Half the width of the widest catchlight that can be distinguished from the iris."""
 _FILL_ACROSS, _FILL_DOWN = 0.32, 0.14
-"""Radii of an iris from which its own colour is taken where a catchlight was. What is level with it lies as deep in
-the shadow of the upper lid; what is further down may be far paler.
-"""
+"""Standard deviations, across and down, of the blur that fills a catchlight's place with the iris's own colour. Pixels
+on the same level lie as deep in the shadow of the upper lid; those further down may be far paler."""
 _HALO, _HALO_BLUR, _UNTOUCHED = 0.12, 0.05, 0.02
+"""A catchlight is dilated and blurred by this much; pixels with a lower share of it count as untouched."""
 _BRIGHTER, _BRIGHTER_BY, _BRIGHT = (1.5, 2.5), 0.02, (0.3, 0.6)
+"""Ramps over which a pixel becomes a catchlight: its brightness over that of the ground, each plus the second number;
+and its brightness over that of the pixels around the iris."""
 _AROUND_PERCENTILES, _GLARING = (75, 95), (1.5, 2.0)
-"""Which pixels about an iris stand for all of them, and which for the white of the eye; and how much brighter than the
-latter only lamps are."""
+"""Percentiles of the pixels around the iris that stand for all of them and for the white of the eye; and the ramp of
+brightness, as a multiple of the latter, over which something can only be a lamp."""
 _PALE_PERCENTILE, _PALEST = 80, 0.7
-"""Which of an iris's pixels stand for its pale parts, beside its pupil; and the palest there are, of what is around."""
+"""Percentile of the iris's pixels that stands for its pale parts, beside the pupil; and its largest plausible value, as
+a share of the brightness around."""
 _RIM, _INNER = 0.93, 0.6
-"""Radii of an iris: where its rim begins, and its middle ends."""
+"""Where the iris's rim begins, and where its middle ends."""
 _MOST, _MOST_UNTOLD = 0.25, 0.1
-"""Shares of its middle that may be bright, and that may be so without being told from lid and white of the eye.
-Studio lamps take up to a fifth of it; of more it isn't known what it hides."""
+"""Largest shares of the iris's middle that may be bright, and that may be bright without being distinguished from lid
+and white of the eye. Studio lamps take up to a fifth; if more is bright, what it hides isn't known."""
 _LID, _BETWEEN_LIDS = (0.35, 0.65), 0.4
-"""How bright lids are, from iris to what is around; and how far up and down from its middle few lids are, in radii."""
+"""Ramp of brightness, from that of the iris (0) to that around it (1), over which a pixel becomes lid; and how far
+above and below the centre there are few lids."""
 _REFLECTANCE = 0.025
-"""Of tears, refractive index 1.376, for light that comes straight on."""
+"""Of tears, with a refractive index of 1.376, at normal incidence."""
 _CURVATURE = 1.33
-"""The cornea's radius, 7.8 mm, in those of the iris as it is seen, 5.9 mm."""
+"""The cornea's radius of curvature, 7.8 mm; the visible iris has a radius of 5.9 mm."""
 
 
 @dataclass(frozen=True, eq=False)
 class Cornea:
-    """The front of an eye, E pixels square.
+    """The front of an eye, in a square of E pixels.
 
     Attributes:
-        iris: the disc in its middle.
-        view: where it lies, with edges on whole pixels of the photo.
-        bare: (E, E) in [0, 1] how far each pixel is iris and no lid.
-        mirrored: (E, E, 3) float32, linear and in the photo's units, of the photo's own catchlights.
-        normal: (3, N, N) unit vectors, camera space; more than pixels in a small eye, fewer in a large one.
+        iris: in the middle of the square.
+        view: the square in the photo, with edges on whole pixels.
+        bare: (E, E) in [0, 1], the share of each pixel that is iris and not covered by a lid.
+        mirrored: (E, E, 3) float32 radiance of the photo's own catchlights, linear, in the photo's units.
+        normal: (3, N, N) unit vectors, camera space; N is more than E in a small eye and less in a large one.
     """
 
     iris: Iris
@@ -72,23 +79,28 @@ class Cornea:
 
     @cached_property
     def mirrored_places(self) -> tuple[np.ndarray, np.ndarray]:
-        """(N, N) each, float32: what of a light is mirrored, as shares of a panorama's width and height."""
+        """Where each normal's mirrored direction lies on a panorama, as shares of its width and height, (N, N) each."""
         x, y, z = self.normal
         # Seen from a distant camera at +z the mirrored direction is 2 (n . v) n - v.
         return tuple(place.astype(np.float32) for place in place_on_map(2 * z * x, 2 * z * y, 2 * z * z - 1))
 
     @cached_property
     def reflectance(self) -> np.ndarray:
-        """(N, N) float32, the share of light that is mirrored (Schlick 1994)."""
+        """The share of light that is mirrored, (N, N) float32 (Schlick 1994)."""
         return _REFLECTANCE + (1 - _REFLECTANCE) * (1 - self.normal[2]) ** 5
 
 
 def find_cornea(linear: np.ndarray, exposure: float, iris: Iris) -> Cornea | None:
-    """Take an eye apart; None where so much of the iris is bright that what it hides can't be told, or it is drawn.
+    """Separate an eye from its catchlights.
 
     Args:
         linear: (H, W, 3) the photo.
-        exposure: of it.
+        exposure: the gain at which it is viewed.
+        iris: of the eye.
+
+    Returns:
+        None if so much of the iris is bright that what lies below can't be known, or if it is too pale to be real, as
+        in a drawing.
     """
     view = _square(iris)
     size = min(int(view.side), _LARGEST_PX)
@@ -121,25 +133,30 @@ def find_cornea(linear: np.ndarray, exposure: float, iris: Iris) -> Cornea | Non
 
 
 def _square(iris: Iris) -> Crop:
+    """The square around an iris, with edges on whole pixels."""
     half = int(np.ceil(_REACH * iris.radius))
     return Crop(round(iris.x), round(iris.y), 2 * half)
 
 
 def _bright(seen: np.ndarray, ground: np.ndarray) -> np.ndarray:
-    """(E, E) in [0, 1] how far each pixel of an eye's luminance is a catchlight: a bright speck on darker ground."""
+    """The degree to which each pixel is a catchlight, a bright speck on darker ground, (E, E) in [0, 1].
+
+    Args:
+        seen, ground: (E, E) luminance of the eye, and of what surrounds each pixel, over that around the iris.
+    """
     brighter = ramp((seen + _BRIGHTER_BY) / (ground + _BRIGHTER_BY), *_BRIGHTER)
     return (brighter * ramp(seen, *_BRIGHT)).astype(np.float32)
 
 
 def _islands(bright: np.ndarray, away: np.ndarray) -> np.ndarray:
-    """Those bright parts that lie in the iris altogether: what reaches its rim is lid or white of the eye."""
+    """The bright parts (E, E) that lie wholly within the iris; what touches its rim is lid or white of the eye."""
     _, parts = cv2.connectedComponents(((bright > 0.1) & (away < 1)).astype(np.uint8))
     not_of_iris = np.append(parts[(away > _RIM) & (away < 1)], 0)
     return np.where(np.isin(parts, np.unique(not_of_iris)), 0, bright)
 
 
 def _with_halo(bright: np.ndarray, radius: float) -> np.ndarray:
-    """Bright parts with what the lens has spread of them."""
+    """Bright parts (E, E) with the halo that the lens spreads around them."""
     reach = 2 * (round(_HALO * radius) + 1) + 1
     return cv2.GaussianBlur(
         cv2.dilate(bright, np.ones((reach, reach), np.uint8)), (0, 0), max(_HALO_BLUR * radius, 0.4)
@@ -147,7 +164,7 @@ def _with_halo(bright: np.ndarray, radius: float) -> np.ndarray:
 
 
 def _filled(colour: np.ndarray, known: np.ndarray, radius: float) -> np.ndarray:
-    """(E, E, 3) each pixel's surroundings as far as they are known."""
+    """The mean colour of the known pixels around each pixel, (E, E, 3); `known` is (E, E) >= 0."""
     weight = known.astype(np.float32)
     across, down = (max(reach * radius, 0.8) for reach in (_FILL_ACROSS, _FILL_DOWN))
     total = cv2.GaussianBlur(weight, (0, 0), across, sigmaY=down)[..., None]
@@ -155,7 +172,11 @@ def _filled(colour: np.ndarray, known: np.ndarray, radius: float) -> np.ndarray:
 
 
 def _bare(seen: np.ndarray, within: np.ndarray, radius: float, down: np.ndarray) -> np.ndarray:
-    """(E, E) how far each pixel, without its catchlights, is iris: lids are brighter."""
+    """The share of each pixel that is iris and not lid, which is brighter, (E, E) in [0, 1].
+
+    Args:
+        seen: (E, E) luminance without catchlights.
+    """
     code = srgb_encode(cv2.GaussianBlur(seen, (0, 0), max(0.06 * radius, 0.4)))
     iris = float(np.percentile(code[(within > 0.5) & (np.abs(down) < _BETWEEN_LIDS)], _PALE_PERCENTILE))
     around = max(float(np.percentile(code[within < 0.5], 75)), iris + 0.05)
@@ -164,7 +185,7 @@ def _bare(seen: np.ndarray, within: np.ndarray, radius: float, down: np.ndarray)
 
 
 def _normal(middle: np.ndarray, radius: float, size: int) -> np.ndarray:
-    """Of a ball about a place in a square of so many pixels."""
+    """Normals (3, N, N) of a cornea centred on a place in a square of `size` pixels."""
     count = min(size * int(np.ceil(_FEWEST_NORMALS / size)), _MOST_NORMALS)
     place = (np.arange(count) + 0.5) * (size / count)
     x, y = np.meshgrid((place - middle[0]) / (_CURVATURE * radius), (middle[1] - place) / (_CURVATURE * radius))

@@ -1,9 +1,9 @@
-"""Dark hair, cropped so close that de-lighting takes it for a bald head.
+"""Closely cropped dark hair that de-lighting takes for a bald head in shade.
 
-Such hair lies on the skull as skin does, and what is dark about it passes for shade: in a light from above or behind it
-turned into pale skin that shines. But shade is as colourful as skin is, or more, and hair is not; and hair is darker
-than skin would be in the light that the networks saw the photo in. A scalp that is both, on the whole, has hair on it
-wherever it is both. (Where a head has other hair: see `hair_on_scalp`; white hair: see `white_hair`.)
+Such hair follows the skull as skin does, and its darkness is taken for shade: in a light from above or behind it would
+become pale, shiny skin. But shaded skin has at least as much colour as lit skin, while hair has less; and hair is
+darker than skin would be in the estimated light. If a scalp is greyer and darker on the whole, its pixels that are both
+become hair. (For heads with other hair see `hair_on_scalp`, for white hair `white_hair`.)
 """
 
 from __future__ import annotations
@@ -23,21 +23,24 @@ from relight_core.pipeline.per_photo.white_hair import eyes_row
 from relight_core.pipeline.stages import Surface
 
 _PERHAPS_CROPPED, _CROPPED = 0.35, 0.6
-"""By how much of a natural logarithm the middle of a scalp is darker than the face, and by how much of the face's own
-colour it is greyer, both together, from which on it has hair, in part and altogether."""
+"""Ramp of the evidence over which a scalp counts as cropped. The evidence is the median over the scalp of how much
+darker it is than the face, in natural logs, plus how much greyer, as a share of the face's colour."""
 _NO_GREYER, _GREYER = 0.08, 0.16
-"""The latter alone: what is dark and no greyer is skin in a shadow that nothing has told of."""
+"""Ramp of greyness alone: what is dark but no greyer is skin in a shadow that the model doesn't know."""
 _BARE, _HAIR = -0.05, 0.25
-"""The same about a pixel of such a scalp. Where the guess lacks light, hair is less dark than it would be."""
+"""Ramp of the evidence at a pixel of such a scalp. It is lower, since hair seems less dark where the estimated light
+lacks some."""
 _SOFT_PX = 1.5
+"""Standard deviation of the blur of evidence and result."""
 _SIDEBURNS = 0.06
-"""How far below the eyes hair fades out, as a share of the view."""
+"""Share of the view's side, below the eyes, over which hair fades out."""
 _LEAST_SHADING = 0.02
+"""Smallest argument of the shading's logarithm."""
 
 
 @torch.inference_mode()
 def with_cropped_hair(surface: Surface) -> Surface:
-    """The surface with hair where the scalp is bare, by its parsing, and dark and of little colour in the photo."""
+    """The surface with hair where the parsing has bare scalp that is dark and has little colour in the photo."""
     scalp, face = _scalp(surface.parsing), surface.parsing[0, INDEX["skin"]]
     own = middle_colour(surface.photo, face[None, None], FEWEST_OF_SKIN)
     if scalp is None or own is None or int((scalp > SURELY).sum()) < FEWEST_OF_SKIN:
@@ -57,7 +60,7 @@ def with_cropped_hair(surface: Surface) -> Surface:
 
 
 def shading(surface: Surface) -> torch.Tensor:
-    """(S, S) grey irradiance over pi of the light that de-lighting guessed, on a surface that nothing hides from it."""
+    """Luminance of the unoccluded irradiance over pi under the light that de-lighting predicts, (S, S)."""
     toward, area = (texels.to(surface.normal) for texels in network_texels())
     radiance = grey(surface.source_light.movedim(-1, 1)).flatten() * area
     normal = surface.normal[0].flatten(1).T
@@ -65,7 +68,7 @@ def shading(surface: Surface) -> torch.Tensor:
 
 
 def _scalp(parsing: torch.Tensor) -> torch.Tensor | None:
-    """(S, S) probability of bare skin outside the face that lies above the eyes, or beside them; None without eyes."""
+    """The probability of bare skin outside the face, above or beside the eyes, (S, S); None without eyes."""
     eyes = eyes_row(parsing)
     if eyes is None:
         return None

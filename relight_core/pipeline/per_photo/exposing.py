@@ -1,9 +1,9 @@
-"""At which exposure the networks see a photo: the photo's own, unless that is unlike any they have learnt from.
+"""The exposure at which the networks see a photo: its own, unless that is far outside the range of training.
 
-Of the photos in training, 90 in a hundred have the brightest tenth of their skin between 0.12 and 0.9 of white, and 98
-between 0.065 and 0.97. A photo that is underexposed by several stops is darker, and a floating-point
-one comes in units of its own: in these the networks would find black skin, or a photo that is clipped all over. What
-they see is therefore multiplied, and what they find is counted back; the photo itself keeps its level.
+In training, the brightest tenth of the skin begins between 0.12 and 0.9 of white in 90 % of the photos, and between
+0.065 and 0.97 in 98 %. A photo that is underexposed by several stops is darker, and floating-point photos are in
+arbitrary units. In these the networks would see black skin, or a photo that is clipped everywhere. So they see the
+photo times a gain, and their results are scaled back; the photo itself keeps its level.
 """
 
 from __future__ import annotations
@@ -20,23 +20,29 @@ from relight_core.imaging.resampling import shrunk_size
 from relight_core.pipeline.per_photo.network_view import in_picture, picture_pixels
 
 _DARKEST, _BRIGHTEST, _WHITE = 0.15, 0.85, 1.0
-"""Of the brightest tenth of a face, at the least, and of a fiftieth of it where that is brighter than white."""
+"""The 90th percentile of a face is raised to the first; the 98th, if it is above white, is lowered toward the second.
+"""
 _GLARE = 2.0
-"""What is brighter than the brightest third of a face by more than this is no skin."""
+"""What exceeds the 70th percentile of a face by more than this factor isn't skin."""
 _OF_CROP = 0.6
-"""The middle of a face's crop, which is skin, as a share of its side."""
+"""The middle of a face's crop, which is mostly skin, as a share of its side."""
 _LOOKS = 48
+"""Pixels that are sampled along each side of a window."""
 _ABOUT_PX = 128
+"""Longer side of a map of exposures."""
 _NEARNESS_POWER = 4
+"""A face's weight in such a map falls with this power of the distance."""
 _BLACK = 1e-12
+"""Smallest divisor."""
 _MOST = {8: 2.0**5, 16: 2.0**10, 32: 2.0**40}
-"""By the photo's bits: what is darker still is a few codes, and noise between them."""
+"""Largest gain by the photo's bits: a darker photo has only a few codes, with noise between them."""
 
 
 def exposure_of_face(photo: Photo, crop: Crop) -> float:
-    """What the networks see of a face is the photo times this; 1 for all but very dark and very bright photos.
+    """The gain at which the networks see a face: 1 for all but very dark and very bright photos.
 
     Args:
+        photo: of the face.
         crop: the paper's square around the face (section 3.2).
     """
     middle = Crop(crop.centre_x, crop.centre_y, _OF_CROP * crop.side)
@@ -46,7 +52,7 @@ def exposure_of_face(photo: Photo, crop: Crop) -> float:
 
 
 def exposure_of_view(photo: Photo, view: Crop) -> float:
-    """The same of a view that may hold a face anywhere: it is dark all over, or half of it is brighter than white."""
+    """The same for a view in which a face may be anywhere: not 1 only if all of it is dark, or half is above white."""
     seen = luminance(looked_at(photo, view))
     return _exposure(float(np.percentile(seen, 95)), float(np.median(seen)), _MOST[photo.bits])
 
@@ -54,28 +60,29 @@ def exposure_of_view(photo: Photo, view: Crop) -> float:
 def exposure_about_faces(
     exposures: Sequence[float], crops: Sequence[Crop], photo_size: tuple[int, int]
 ) -> float | np.ndarray:
-    """The exposure of a photo's surroundings of faces that may have one each: that of the nearest, by degrees.
+    """The exposure of all of a photo whose faces have different exposures: a smooth mix in which the nearest dominates.
 
     Args:
         exposures, crops: of the faces, at least one.
+        photo_size: (height, width).
 
     Returns:
-        a number where they have the same, else a map (k, l, 1) float32 over the whole photo.
+        A number if all have the same, otherwise a map (k, l, 1) float32 over the whole photo.
     """
     if len(set(exposures)) == 1:
         return exposures[0]
     places = places_of(shrunk_size(photo_size, _ABOUT_PX), photo_size)
     far = [np.linalg.norm(places - (crop.centre_x, crop.centre_y), axis=-1) / crop.side for crop in crops]
     nearness = np.stack([(1 / (0.1 + distance)) ** _NEARNESS_POWER for distance in far], axis=-1)
-    # Exposures are factors, between which the way leads over their logarithms.
+    # Exposures are factors, so their logarithms are averaged.
     return np.exp(nearness @ np.log(exposures) / nearness.sum(-1))[..., None].astype(np.float32)
 
 
 def exposed(linear: np.ndarray, exposure: float | np.ndarray, band: Band) -> np.ndarray:
-    """Some of a photo (h, w, 3) times an exposure that may differ from place to place, see `exposure_about_faces`.
+    """A part of a photo (h, w, 3) times an exposure, a number or a map (see `exposure_about_faces`).
 
     Args:
-        band: which pixels they are.
+        band: the pixels of that part.
     """
     if isinstance(exposure, np.ndarray):
         return linear * spread_window(exposure, whole_photo(band.photo_size), band)
@@ -83,7 +90,7 @@ def exposed(linear: np.ndarray, exposure: float | np.ndarray, band: Band) -> np.
 
 
 def looked_at(photo: Photo, window: Crop) -> np.ndarray:
-    """(N, 3) pixels of a window of a photo, spread evenly over what of it is inside its picture."""
+    """Pixels (N, 3) of a window of a photo, spaced evenly over the part of it that is inside the photo's frame."""
     image = picture_pixels(photo)
     x0, y0, x1, y1 = in_picture(photo, window).window
     height, width = image.shape[:2]
@@ -95,7 +102,8 @@ def looked_at(photo: Photo, window: Crop) -> np.ndarray:
 
 
 def _exposure(dark_below: float, bright_above: float, most: float) -> float:
+    """The gain for skin whose bright parts reach `dark_below`, and whose brightest reach `bright_above`."""
     if bright_above > _WHITE:
-        # The brighter, the farther from where the networks count skin as clipped, and none of it at once.
+        # Away from white, where the networks take skin to be clipped, but gradually, so that the gain has no jump.
         return max(_BRIGHTEST, 2 * _WHITE - bright_above) / bright_above
     return min(max(_DARKEST / max(dark_below, _BLACK), 1.0), most)

@@ -1,8 +1,8 @@
-"""A face that is painted all over, in a colour that no skin has and no light of the photo's.
+"""A face that is painted all over, in a colour that neither skin nor the photo's light has.
 
-To the networks there is no paint, but coloured light, in which hair and neck would have to be of the opposite colour:
-a blue face's hair turns orange in a white light. A lamp lights a neck and hair as it does the face. So where all of a
-face has one colour that is no skin's, and neck and hair are seen in colours that they do have, it is paint.
+The networks don't know paint and predict coloured light, so hair and neck get the opposite colour: the hair of a blue
+face turns orange in a white light. But a lamp would light neck and hair like the face. So if all of a face has one
+colour that isn't that of skin, and neck and hair have usual colours, it is paint.
 """
 
 from __future__ import annotations
@@ -20,23 +20,27 @@ from relight_core.pipeline.stages import Surface
 
 _FACE, _NECK, _HAIR = ("skin", "nose"), ("neck",), ("hair",)
 _OF_SKIN, _OF_HAIR = ((0.2, 1.6), (-1.1, 0.1)), ((-0.2, 1.3), (-1.6, 0.3))
-"""Log ratios of red and of blue to green, the least and the most of each, in a light that a camera nearly balances."""
+"""Usual ranges of the log ratios of red to green and of blue to green, in a light that the camera nearly balances."""
 _SURELY_BEYOND = 0.2
+"""A log ratio so far outside of its range is surely unusual."""
 _APART = (0.6, 0.9)
-"""Log ratios by which a face may be, and surely is, of another colour than its neck and its hair."""
+"""Ramp of the difference in log ratios over which a face is of another colour than its neck and its hair."""
 _OF_ONE_COLOUR = (0.7, 1.0)
-"""How far apart log ratios are over eight tenths of a face up to which it has one colour, and from which several."""
+"""Ramp of the range of log ratios over eight tenths of a face, over which it goes from one colour to several."""
 _SEEN = (0.02, 0.95)
-"""Linear: what is darker has colours of noise, and what is brighter is clipped."""
+"""Linear values: darker ones have the colour of noise, brighter ones are clipped."""
 
 
 def face_paint(surface: Surface) -> torch.Tensor:
-    """(1, 1, S, S) how surely a face's skin is painted, [0, 1]; nowhere if its neck and hair don't tell."""
+    """Certainty that a face's skin is painted, (1, 1, S, S) in [0, 1]; 0 if neck or hair can't be seen."""
     return share_of(surface.parsing, _FACE) * _surely_painted(surface)
 
 
 def with_paint(surface: Surface) -> Surface:
-    """The surface with its paint as albedo: as far from the neck's colour as it is seen, and as bright as it was."""
+    """The surface with the paint in its albedo: it differs from the neck's colour as much as in the photo.
+
+    The albedo's brightness is kept.
+    """
     paint = face_paint(surface)
     if not bool(paint.any()):
         return surface
@@ -47,6 +51,7 @@ def with_paint(surface: Surface) -> Surface:
 
 
 def _surely_painted(surface: Surface) -> float:
+    """Certainty that the face is painted, [0, 1]."""
     ratios = [_seen_ratios(surface, part) for part in (_FACE, _NECK, _HAIR)]
     if min(part.shape[1] for part in ratios) < FEWEST_PIXELS:
         return 0.0
@@ -59,7 +64,7 @@ def _surely_painted(surface: Surface) -> float:
 
 
 def _beyond(colour: torch.Tensor, usual: tuple[tuple[float, float], tuple[float, float]]) -> float:
-    """How surely a colour (3,), log ratios to green, is none of the usual ones, [0, 1]."""
+    """Certainty that a colour (3,), as log ratios to green, is unusual, [0, 1]."""
     off = (max(least - value, value - most) for value, (least, most) in zip(colour[::2].tolist(), usual, strict=True))
     return ramp(max(off), 0.0, _SURELY_BEYOND)
 
@@ -69,7 +74,7 @@ def _middle(ratios: torch.Tensor) -> torch.Tensor:
 
 
 def _seen_ratios(surface: Surface, part: tuple[str, ...]) -> torch.Tensor:
-    """(3, N) log ratios to green of the photo's pixels of some classes that are neither black nor clipped."""
+    """Log ratios to green (3, N) of those pixels of some classes that are neither black nor clipped in the photo."""
     least, most = _SEEN
     seen = (share_of(surface.parsing, part) > SURELY) & (grey(surface.photo) > least)
     logs = exact_logs(surface.photo)

@@ -1,4 +1,4 @@
-"""Where in a photo people are, as far as networks and colours tell: a matte whose edges are still coarse."""
+"""The first matte of a photo, from networks' probabilities and colours; its edges are still coarse."""
 
 from __future__ import annotations
 
@@ -28,24 +28,26 @@ from relight_core.pipeline.per_photo.strands import Hair
 _MATTING_PX = 224
 """Longer side of the copy in which closed-form matting is done."""
 _NEAR_FROM, _LEAST_NEAR_PX = 1.25, 32
-"""A window about a person is matted again, from near, if it is enlarged by as much and is no smaller than that."""
+"""A window around a person is matted again at a higher resolution if the scale grows by at least this factor and the
+window has at least so many pixels."""
 _EDGE_SHARE = 0.15
 """Share of such a window's side over which it fades toward its edge."""
 _EVEN_PX, _EVEN = 5, 0.15
-"""Side of the window in which a matte may be even, and by how much it deviates there if it is hardly so."""
+"""Side of the window in which a matte's standard deviation tells whether it is even, and the deviation at which it is
+hardly even any more."""
 _STEEP = 3.0
-"""The contrast about one half by which an even matte is decided."""
+"""Slope, around one half, of the curve that decides an even matte."""
 
 
 @dataclass(frozen=True, eq=False)
 class SeenPeople:
-    """What networks see of the people in a photo.
+    """The networks' looks at the people in a photo.
 
     Attributes:
-        people: looks at each, hair and clothes included, from the nearest to the widest (see `place_masks`).
-        faces: a look at each face, its probability instead of the person's.
-        others: looks, as at the people, at whoever is known not to be meant.
-        hair: what is known of each head's.
+        people: looks at each person, hair and clothes included, from the nearest to the widest (see `place_masks`).
+        faces: a look at each face, with the probability of face instead of person.
+        others: looks at each of those who are not to be relit, as at the people.
+        hair: of each head, as far as known.
     """
 
     people: Sequence[list[Look]]
@@ -54,7 +56,7 @@ class SeenPeople:
     hair: Sequence[Hair] = ()
 
     def moved(self, x: float, y: float) -> SeenPeople:
-        """The same in a photo that begins elsewhere, by pixels of it; of the hair nothing."""
+        """The looks shifted by pixels of the photo, without the hair."""
 
         def move(looks: Iterable[Look]) -> list[Look]:
             return [(mask, view.moved(x, y)) for mask, view in looks]
@@ -64,7 +66,7 @@ class SeenPeople:
 
 
 def first_matte(guide: np.ndarray, seen: SeenPeople, photo_size: tuple[float, float]) -> np.ndarray:
-    """The matte (h, w) of a picture (h, w, 3), sRGB, as networks and colours have it; see `draft_matte`."""
+    """The matte (h, w) of a picture (h, w, 3), sRGB, from networks and colours; see `matte.draft_matte`."""
     size = shrunk_size(guide.shape[:2], _MATTING_PX)
     placed = place_masks(seen.people, size, photo_size, seen.others)
     face, near = place_faces(seen.faces, size, photo_size), near_views(seen.people, size, photo_size)
@@ -73,7 +75,7 @@ def first_matte(guide: np.ndarray, seen: SeenPeople, photo_size: tuple[float, fl
 
 
 def first_matte_within(cells: Inside, guide: np.ndarray, seen: SeenPeople, photo_size: tuple[int, int]) -> np.ndarray:
-    """`first_matte` of some cells of a picture alone, whose edges go on around them."""
+    """`first_matte` of only the part of a picture within some cells; its edge values are continued outside."""
     (rows, columns), (height, width) = cells, guide.shape[:2]
     down, across = photo_size[0] / height, photo_size[1] / width
     part, within = np.ascontiguousarray(guide[cells]), seen.moved(-columns.start * across, -rows.start * down)
@@ -84,15 +86,15 @@ def first_matte_within(cells: Inside, guide: np.ndarray, seen: SeenPeople, photo
 def _matted(
     guide: np.ndarray, placed: list[np.ndarray], face: np.ndarray, near: np.ndarray, size: tuple[int, int]
 ) -> np.ndarray:
-    """The matte (h, w) of a picture (h, w, 3), sRGB, made in a copy of `size`.
+    """The matte (h, w) of a picture (h, w, 3), sRGB, computed in a copy of `size`.
 
     Args:
-        placed, face, near: masks of that size, see `likely_person`.
+        placed, face, near: masks of that size, as of `likely_person`.
     """
     seen = np.clip(resize_area(guide, size), 0, 1)
     likely = likely_person(seen, placed, face, near)
     soft = attached(closed_form_matte(seen, likely), placed)
-    # What an even grey tied to somebody may hang together with nobody once that is decided.
+    # Attached again: deciding an even grey may cut off what it had connected to a person.
     whole = without_holes(soft, placed, likely)
     decided = without_lookalikes(_decided(whole), seen, whole)
     return resize_smooth(attached(decided, placed), guide.shape[:2])
@@ -101,10 +103,10 @@ def _matted(
 def _seen_nearer(
     coarse: np.ndarray, guide: np.ndarray, seen: SeenPeople, photo_size: tuple[float, float]
 ) -> np.ndarray:
-    """A matte (h, w) made again, from near, where people are small in the photo.
+    """A matte (h, w) that is computed again at a higher resolution where people are small in the photo.
 
-    In a copy of all of it an ear or a strand is less than a pixel there, and mixes with whatever is beside it. Where
-    several windows meet, the nearest look counts, in whichever order the people come.
+    In the copy of the whole photo an ear or a strand of a small person is less than a pixel, and mixes with what is
+    beside it. Where several windows overlap, the smallest counts, in whatever order the people come.
     """
     windows = [window for looks in seen.people if (window := _near_window(looks[0][1], photo_size, guide.shape[:2]))]
     if not windows:
@@ -120,7 +122,7 @@ def _seen_nearer(
 
 
 def _near_window(crop: Crop, photo_size: tuple[int, int], size: tuple[int, int]) -> tuple[slice, slice] | None:
-    """`window_of` a crop; None where little more would be seen from near."""
+    """`window_of` a crop; None if its resolution would hardly be higher than that of the whole copy."""
     rows, columns = window = window_of(crop, photo_size, size)
     sides = rows.stop - rows.start, columns.stop - columns.start
     if min(sides) < _LEAST_NEAR_PX:
@@ -130,14 +132,14 @@ def _near_window(crop: Crop, photo_size: tuple[int, int], size: tuple[int, int])
 
 
 def _widest_first(window: tuple[slice, slice]) -> tuple[int, ...]:
-    """What sorts windows by their longer side, and by their place where that is the same."""
+    """A key that sorts windows by their longer side, the largest first, then by the other side and their place."""
     rows, columns = window
     height, width = rows.stop - rows.start, columns.stop - columns.start
     return -max(height, width), -min(height, width), rows.start, columns.start
 
 
 def _weight(window: tuple[slice, slice], size: tuple[int, int]) -> np.ndarray:
-    """(h, w) how much a window counts at each of its pixels: less toward its sides but for those of the picture."""
+    """The weight of a window at each of its pixels, (h, w); it fades toward its sides but not toward the picture's."""
     down, across = (_fading(part, length) for part, length in zip(window, size, strict=True))
     return down[:, None] * across[None]
 
@@ -149,10 +151,10 @@ def _fading(part: slice, length: int) -> np.ndarray:
 
 
 def _decided(matte: np.ndarray) -> np.ndarray:
-    """The matte, but where it is half and half over a whole area it says what is likelier.
+    """The matte, decided toward 0 or 1 in areas where it is an even grey.
 
-    Strands of hair and blurred edges change from pixel to pixel; an even grey is a trunk or a wall of the colours
-    of the person before it, and would take on a third of every light.
+    Strands of hair and blurred edges vary from pixel to pixel. An even grey is a trunk or a wall in the colours of the
+    person in front of it, and would be partly relit.
     """
     window = (_EVEN_PX, _EVEN_PX)
     mean = cv2.blur(matte, window)

@@ -1,6 +1,7 @@
-"""Shadows on a person that come from outside: found by a network, and taken off before the person is taken apart.
+"""Shadows on a person from outside: found by a network, and removed before the person is de-lit.
 
-De-lighting knows what a head does to light, and leaves half of the shadow of a hand or of leaves in the albedo.
+De-lighting knows the shadows that a head casts on itself. It leaves half of a hand's or of leaves' shadow in the
+albedo.
 """
 
 from __future__ import annotations
@@ -22,40 +23,43 @@ _SIZE = 256
 """Side of the view that the network sees."""
 
 _EDGE_PX = 5
-"""How far the soft edge of a shadow may reach beyond what is surely one."""
+"""The soft edge of a shadow may reach so far beyond what is surely shadow."""
 _DEEPEST = 3.0
-"""Logs of the deepest shadow, a twentieth of the light: of what is darker a camera shows little."""
+"""Depth of the deepest shadow in logs, a twentieth of the light; a camera shows little of what is darker."""
 _HARDLY, _SURELY = 0.1, 0.25
-"""Mean logs over the channels from which on there may be, and surely is, a shadow."""
+"""Ramp of depth, in logs averaged over the channels, over which something becomes a shadow."""
 _LEAST_OF_FACE = 0.01
-"""Share of the skin and features of a face that lies in a shadow, if there is one."""
+"""A shadow counts only if it covers at least this share of the face's skin and features."""
 _LEAST_SKIN, _MUCH_SKIN = 0.05, 0.25
-"""Shares of a patch of shadow that are skin. With less than the first it is dark cloth, hair or a hat; with less than
-the second it may be, and counts only where it is on skin."""
+"""Shares of a patch of shadow that are skin. With less than the first it is dark cloth, hair or a hat. With less than
+the second it may be, and only its part on skin counts."""
 _RIM_PX = 5
-"""Half the width up to which such a part on skin is only the edge of the dark material beside it."""
+"""Such a part on skin is only the edge of the dark material beside it, if it is no wider than twice this."""
 _MUCH_OF_FACE, _SMALL = 0.1, 0.25
-"""Where more than the first share of a face lies in shadows from outside, patches beside the skin are taken for such
-too, if they cover less than the second share of all of the person that is not skin."""
+"""If more than the first share of a face lies in shadows from outside, patches beside the skin count as such too, as
+long as they cover less than the second share of the rest of the person."""
 _SOFT, _MOST_OF_EDGE = 0.08, 0.9
-"""Mean log per pixel, and the share of a shadow's edge. A shadow of whose edge so much is less steep is as soft as
-those that de-lighting has learnt, or is the shading of a cheek."""
+"""If this share of a shadow's edge has a slope below so many mean logs per pixel, the shadow is as soft as those that
+de-lighting knows, or is the shading of a cheek."""
 _OFF_COLOUR = 0.7
-"""Log ratio to green that skin is off by, once a shadow is taken off it, if it is paint."""
+"""If skin differs by this log ratio to green after its shadow has been removed, the shadow is paint."""
 
 
 @torch.inference_mode()
 def find_foreign_shadow(
     bundle: NetworkBundle, view: torch.Tensor, parsing: torch.Tensor, precision: str
 ) -> torch.Tensor | None:
-    """What shadows from outside do to a view (1, 3, D, D), linear.
+    """Find shadows from outside in a view (1, 3, D, D), linear.
 
     Args:
+        bundle: with or without a foreign-shadow network.
+        view: of the photo.
         parsing: (1, classes, S, S) probabilities of the view.
+        precision: of the network.
 
     Returns:
-        (1, 3, 256, 256) logs of light that arrives over light that would without them, [-3, 0], 0 off the person; None
-        where there are none on a face, or no network that knows.
+        (1, 3, 256, 256) logs in [-3, 0] of the share of the light that they leave, 0 outside the person. None if no
+        such shadow is on a face, or without the network.
     """
     if bundle.foreign_shadow is None:
         return None
@@ -77,18 +81,18 @@ def find_foreign_shadow(
 
 
 def _from_outside(depth: np.ndarray, person: np.ndarray, face: np.ndarray, ratios: np.ndarray) -> np.ndarray | None:
-    """Which of the shadows that the network sees are cast from outside; None where none of those is on a face.
+    """Select those of the network's shadows that really are shadows from outside.
 
-    The network takes dark cloth, hair and hats for shadows at times. Such a patch ends where the material does, so
-    that little of it is skin. It takes paint for a shadow too (see `_not_paint`).
+    The network sometimes takes dark cloth, hair and hats for shadows. Such a patch ends with the material, so little of
+    it is skin. It also takes paint for a shadow (see `_not_paint`).
 
     Args:
-        depth: (S, S) mean logs over the channels, positive.
+        depth: (S, S) depth in logs, averaged over the channels, >= 0.
         person, face: (S, S) probabilities; the face is bare skin and features.
-        ratios: (2, S, S) log ratios of red and blue to green, with the shadows taken off.
+        ratios: (2, S, S) log ratios of red and blue to green, with the shadows removed.
 
     Returns:
-        (S, S) float32, 1 in those shadows and 0 elsewhere, with soft edges.
+        (S, S) float32, 1 in those shadows and 0 elsewhere, with soft edges; None if none of them is on a face.
     """
     on_person, skin = person > 0.5, face > 0.5
     shadow = (depth > _SURELY) & on_person
@@ -105,22 +109,23 @@ def _from_outside(depth: np.ndarray, person: np.ndarray, face: np.ndarray, ratio
         return None
     if of_face > _MUCH_OF_FACE:
         kept |= (is_patch & ~has_skin & (area < _SMALL * (on_person & ~skin).sum()))[patches]
-    # Their soft edges lie beyond what is surely shadow.
+    # Widened, since their soft edges lie beyond what is surely shadow.
     return cv2.blur(cv2.dilate(kept.astype(np.float32), disc(_EDGE_PX)), (_EDGE_PX, _EDGE_PX))
 
 
 def _not_paint(
     asked: np.ndarray, patches: np.ndarray, skin: np.ndarray, lit: np.ndarray, ratios: np.ndarray
 ) -> np.ndarray:
-    """(patches,) bool: those asked about whose skin, with the shadow taken off, has the colour of lit skin.
-
-    All of them where too little skin is lit to tell.
+    """Which of the patches in question are not paint: their skin has the colour of lit skin once the shadow is removed.
 
     Args:
-        asked: (patches,) bool.
+        asked: (patches,) bool, the patches in question.
         patches: (S, S) the number of the patch that each pixel is in.
-        skin, lit: (S, S) bool, all of the face and the part of it in no shadow.
+        skin, lit: (S, S) bool, all of the face, and the part of it outside all shadows.
         ratios: as of `_from_outside`.
+
+    Returns:
+        (patches,) bool; all in question if too little skin is lit to tell.
     """
     result = asked.copy()
     if lit.sum() < FEWEST_PIXELS:
@@ -133,7 +138,7 @@ def _not_paint(
 
 
 def _but_for_rims(shadow: np.ndarray) -> np.ndarray:
-    """Of shadows (S, S), bool, what is no thin rim, as a parsing takes for skin around a beard."""
+    """Shadows (S, S), bool, without thin rims, such as those of a beard that the parsing takes for skin."""
     return cv2.morphologyEx(shadow.astype(np.uint8), cv2.MORPH_OPEN, disc(_RIM_PX)) > 0
 
 
@@ -146,5 +151,5 @@ def _is_soft(depth: np.ndarray, shadow: np.ndarray, person: np.ndarray) -> bool:
 
 
 def without_shadow(view: torch.Tensor, logs: torch.Tensor) -> torch.Tensor:
-    """A view (1, 3, D, D), linear, as it would be without shadows of those logs, of any size."""
+    """A view (1, 3, D, D), linear, with shadows removed; their logs (1, 3, s, s) may have any size."""
     return ((view + BLACK) * resized(-logs, view.shape[-1]).exp() - BLACK).clamp_min(0)

@@ -1,8 +1,8 @@
-"""The frames of glasses, which a relief takes for walls.
+"""The frames of glasses, which would occlude like walls in a relief.
 
-A frame is a wire or a bar that light passes on both sides; a relief has no back, and so what stands out of it
-hides all that lies beside it. Rims would shade the whole of their glass, and eyes stay dark in the light of any lamp
-beside the face. The thin shadows that frames do cast are the SS network's to draw.
+A frame is a wire or a bar around which light passes. But a relief has no back: whatever stands out of it hides
+everything behind. So rims would shade their whole glass, and eyes would stay dark under any lamp beside the face. The
+thin shadows that frames really cast are left to the SS network.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_images import as_image, as_tensor
 
 _THIN = 0.04
-"""Of the view's side: frames are narrower, and dark glasses, which do hide what is behind them, are wider."""
+"""As a share of the view's side: frames are narrower, and dark glasses, which do hide what is behind them, wider."""
 
 
 def without_frames(relief: torch.Tensor, parsing: torch.Tensor) -> torch.Tensor:
-    """Heights (1, 1, S, S) with the frames of glasses level with what is around them.
+    """Heights (1, 1, S, S) in which the frames of glasses are level with their surroundings.
 
     Args:
         parsing: (1, classes, S, S) probabilities.

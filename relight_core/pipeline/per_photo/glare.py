@@ -1,7 +1,7 @@
-"""Light from behind that grazes skin: a bright rim along jaw, ear or nape, which is not the skin's own colour.
+"""Glare: the bright rim along jaw, ear or nape where a light from behind grazes skin.
 
-At grazing angles skin reflects many times what it does elsewhere, from a direction of which nothing else in the photo
-tells. Neither the estimated light nor the albedo can be expected to explain it.
+At grazing angles skin reflects many times as much as elsewhere, from a direction about which nothing else in the photo
+says anything. So the estimated light can't explain it, and it must not end up in the albedo.
 """
 
 from __future__ import annotations
@@ -18,18 +18,20 @@ from relight_core.pipeline.per_photo.blown import fill_in
 from relight_core.pipeline.stages import Surface
 
 _FROM, _TO = 0.25, 0.6
+"""Ramp, in logs above the median of the skin, over which a pixel becomes glare."""
 _LITTLE = 1e-4
+"""Weight of pixels that are only used to fill in if there are no others."""
 
 
 def without_glare(surface: Surface, shading: torch.Tensor, skin: torch.Tensor) -> Surface:
-    """The surface with the albedo of the skin around it where glare made its skin's brighter.
+    """The surface with glare in its skin's albedo replaced by the albedo of the skin around.
 
-    Glare is what is brighter than its albedo in the known light, beyond what the log of their ratio is for most of the
-    skin, and brighter in the photo than most of the skin too: where only the shading is too dark, a shadow was
-    mistaken.
+    A pixel is glare if two things exceed their medians over the skin: the ratio of the photo to albedo times shading,
+    and the photo's own brightness. If only the ratio does, the shading is too dark because of a wrong shadow.
 
     Args:
-        shading: (1, 1, S, S) grey irradiance / pi of the photo's light.
+        surface: of the photo.
+        shading: (1, 1, S, S) luminance of the irradiance over pi under the photo's light.
         skin: (1, 1, S, S) probability of skin.
     """
     known = skin > SURELY
@@ -45,5 +47,5 @@ def without_glare(surface: Surface, shading: torch.Tensor, skin: torch.Tensor) -
 
 
 def _beyond_most(logarithm: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
-    """How surely a logarithm (1, 1, S, S) lies beyond its median over the skin, [0, 1]."""
+    """The degree to which a logarithm (1, 1, S, S) exceeds its median over the skin, [0, 1]."""
     return ramp(logarithm - logarithm[skin].median(), _FROM, _TO)

@@ -1,8 +1,9 @@
-"""Hair that de-lighting takes for a bald head, by its colours.
+"""Smooth dark hair that de-lighting takes for scalp, recognised by its colours.
 
-Smooth dark hair on the side of a head is now and then parsed as scalp, gets the albedo of skin, and shines like it
-under any light from there. Where the same head has hair that is known for such, and its colours are there and not
-those of the face, it is hair. A bald head in shadow has the colours of neither. (White hair: see `white_hair`.)
+Smooth dark hair on the side of a head is sometimes parsed as scalp. It then gets the albedo of skin, and shines like
+skin under a light from that side. If the head has other hair that is parsed as hair, then scalp with the colours of
+that hair and not of the face is hair too. A bald head in shadow has the colours of neither. (For white hair see
+`white_hair`.)
 """
 
 from __future__ import annotations
@@ -21,15 +22,18 @@ from relight_core.pipeline.per_photo.white_hair import above_the_eyes
 from relight_core.pipeline.stages import Surface
 
 _SURE_FROM = 0.7
+"""Probability from which on pixels of hair and skin are used to learn their colours."""
 _FEWEST_PIXELS = 30
+"""Least sum of their weights, for each."""
 _AROUND_PX = 3
+"""Side of the window over which log odds are averaged."""
 _PERHAPS_HAIR, _HAIR = 1.5, 3.0
-"""Log odds of the colours about a pixel, hair to skin, from which on it is hair, in part and altogether."""
+"""Ramp of the log odds of hair over skin, by colour, over which a pixel becomes hair."""
 
 
 @torch.inference_mode()
 def with_hair_on_scalp(surface: Surface) -> Surface:
-    """The surface with hair where its parsing has bare scalp above the eyes, in the colours of hair."""
+    """The surface with hair where the parsing has bare scalp above the eyes in the colours of the head's hair."""
     above = above_the_eyes(surface.parsing)
     if above is None:
         return surface
@@ -45,4 +49,5 @@ def with_hair_on_scalp(surface: Surface) -> Surface:
 
 
 def _sure(probability: torch.Tensor) -> np.ndarray:
+    """The weight of pixels for learning a colour, by their probability (S, S)."""
     return ramp(probability.float(), _SURE_FROM, 1).cpu().numpy()

@@ -1,8 +1,10 @@
 """The probability that a pixel of a photo belongs to a person, from three sources.
 
-Within the views that networks looked at, it is what they say. Beyond, a prior on where bodies go on below and beside
-a head takes their place. Both are then corrected by colour: by how common a pixel's colour is among what is surely a
-person and among what is surely not.
+Within the networks' views it is their prediction. Beyond these it is a prior on where bodies continue below and beside
+a head. Both are then corrected by colour: by how common a pixel's colour is among what surely is a person and among
+what surely isn't.
+
+A *look* is a view with a network's probability of person; the *nearest* look at a person shows the least around them.
 """
 
 from __future__ import annotations
@@ -24,62 +26,64 @@ _SURELY_BODY, _PROBABLY_BODY, _PERHAPS_BODY, _NOBODY = 0.97, 0.6, 0.2, 0.02
 _BESIDE_LEGS = 0.05
 """The largest prior beside the legs."""
 _LEGS_HALF_WIDTH = (0.1, 0.45)
-"""How far from the view's middle, in its sides, legs surely are, and surely end."""
+"""Ramp of the distance from the view's middle, in its sides, over which legs end."""
 _HIPS, _KNEES, _BELOW_FEET = 0.5, 1.2, 2.4
-"""Heights below the view's lower edge, in its sides."""
+"""Distances below the view's lower edge, in its sides."""
 
 _LEAST, _TINY = 0.01, 1e-20
 """The least probability, so that log odds stay finite, and what is added to a divisor that may be 0."""
 _SURE_FROM = 0.7
-"""The probability from which on a mask is sure, of person or of background."""
+"""Probability from which on a mask begins to be sure, of person or of background."""
 _NO_GAP_FROM = 0.5
-"""The mask's probability from which on a gap in the matte may be closed; from `_SURE_FROM` on it is."""
+"""A gap in the matte begins to be closed at this probability of the mask, and is closed from `_SURE_FROM` on."""
 
 _ENCLOSED, _HALF_ENCLOSED = 0.3, 0.15
-"""Alphas of the matte without its holes above which a place lies within a person, and within a soft outline."""
+"""A place lies within a person, or within a soft outline, if the matte's alpha with holes filled is above this."""
 _WHOLE = 0.9
-"""The alpha below which a place within a person counts as a gap."""
+"""A place within a person is part of a gap if its alpha is below this."""
 _LEAST_GAP_PX = 12
-"""Pixels of the smallest gap that is looked at."""
+"""Smaller gaps are ignored, in pixels."""
 _DEEP, _DEEP_SHARE = 0.05, 0.16
-"""By how much a pixel of a gap is below what encloses it, and the share of the gap's pixels of which that must hold."""
+"""In a gap within a soft outline at least this share of the pixels must have an alpha that is lower, by at least the
+first, than with holes filled."""
 _RIM = np.ones((5, 5), np.uint8)
-"""The soft edge of an outline, which is no gap."""
+"""Size of the soft edge of an outline, which is not a gap."""
 _ABOUT, _LEAST_ABOUT_PX = 2.0, 12
-"""How far around a gap the person's colours are learnt, in roots of its area, and in pixels at the least."""
+"""The person's colours are learnt within this distance of a gap, in square roots of its area and at least in pixels."""
 _PERHAPS_ALIKE, _SURELY_ALIKE = 2.0, 3.0
-"""Mean log odds of a gap's colours, of the person around it over the background, from which on it is partly closed,
-and wholly."""
+"""Ramp of the mean log odds of a gap's colours, for the person around it against the background, over which it is
+closed."""
 
 _MOST_COLOURS_SAY, _MOST_FROM_AFAR = 2.0, 4.0
-"""By how much colours may change log odds within the nearest looks, and, against the person, beyond them."""
+"""Largest change of log odds by colours: within the nearest looks, and, against the person, beyond them."""
 _NOBODYS = (3.5, 5.0)
-"""Log odds against the person from which on a colour is rare on them, and next to absent."""
+"""Ramp of log odds against the person over which a colour goes from rare on them to next to absent."""
 _DOUBTFUL = (3.0, 3.5)
-"""Log odds of a mask up to which it is in doubt, and from which on it is not."""
+"""Ramp of a mask's log odds over which it ceases to be in doubt."""
 _MOST_OF_NOBODYS = 6.0
-"""By how much colours that are absent from the person may change log odds where the mask is in doubt. To networks hair
-is solid: a blown-out wall between two curls would be relit as a grey haze. They are less sure of it than of a white
-collar before that wall."""
+"""Largest change of log odds by colours that are absent from the person, where the mask is in doubt. To networks hair
+is solid, and a blown-out wall between two curls would be relit as a grey haze. But they are less sure of it than of,
+say, a white collar in front of that wall."""
 _LEFT_BY_COLOURS = (0.05, 0.2)
-"""Probabilities of person after colours were heard up to which a gap stays open whatever the mask says, and from which
-on the mask decides."""
+"""Ramp of the probability of person after the correction by colour: below it a gap stays open whatever the mask says,
+above it the mask decides."""
 _ROUNDS = 2
-"""How often colours are learnt anew from what they have decided."""
+"""Rounds in which colours are learnt again from the corrected probability."""
 _GROWN_AT_ONCE = 8
-"""Steps of a reconstruction between two looks whether it still grows."""
+"""Steps of a reconstruction between two checks whether it still grows."""
 _PERHAPS_FACE, _SURELY_FACE = 0.5, 0.9
+"""Ramp of the probability of face over which colours cease to count against a person."""
 
 _DOUBTED, _DENIED, _SUREST = 1.0, 2.0, 0.002
-"""Log odds for a person, and against one, that a wider look must exceed to count, and the least probability it may say.
-Faces are smaller there than those the person network was trained on: it knows bodies and what lies behind them, but
-doubts what people hold."""
+"""Log odds for and against a person that a wider look must exceed to count, and its least probability. Its faces are
+smaller than those the person network was trained on: it recognises bodies and what lies behind them, but is unsure
+about things that people hold."""
 _AT_MOST_BESIDE = 0.35
-"""The largest probability that a wider look may give to what lies beside a head or above it: there the network takes
-things along, and colours decide."""
+"""Largest probability that a wider look may give to what lies beside or above a head. There the network tends to
+include things, so colours should decide."""
 _MIDDLE, _NEARNESS_POWER = 0.05, 4
-"""A claim to a place weakens with this power of its distance from the middle of a look plus the first, in the look's
-sides."""
+"""A person's claim to a place falls with this power of the place's distance from the middle of their nearest look, in
+the look's sides, plus the first number."""
 
 Look = tuple[np.ndarray, Crop]
 """(S, S) probability in [0, 1] that the pixels of a view are a person, and where in the photo the view lies."""
@@ -91,16 +95,18 @@ def place_masks(
     photo_size: tuple[int, int],
     others: Sequence[list[Look]] = (),
 ) -> list[np.ndarray]:
-    """Each person's probability over the whole photo: what the looks at them say, and a prior on bodies beyond.
+    """Each person's probability over the whole photo: from the looks at them, and beyond these from a prior on bodies.
 
-    Two rules hold between neighbours. Where a person has only the weak prior, and another person's nearest look sees
-    the place, it is nobody's: else a lamp between two heads would stay in doubt as a part of everyone whose looks end
-    before it. And where `others` are as likely, a place belongs to whoever's look has it nearer its middle: to the
-    person network an arm or a shirt that a neighbour rests against may belong to both.
+    Two rules apply between neighbours:
+
+    - Where a person has only the weak prior, and another person's nearest look covers the place, it belongs to nobody.
+      Otherwise a lamp between two heads would stay in doubt for everyone whose looks end before it.
+    - Where `others` are about as likely, a place belongs to the person whose look has it nearer to its middle, since
+      the person network may count an arm or a shirt that a neighbour leans against for both.
 
     Args:
-        people: looks at each, from the nearest to the widest; what is not finite or out of range is brought into it.
-            Beyond the nearest the prior holds, corrected by the wider ones.
+        people: looks at each person, from the nearest to the widest; values that are not finite or out of range are
+            replaced. Beyond the nearest look the prior holds, corrected by the wider ones.
         size: (h, w) of the result.
         photo_size: (height, width).
         others: looks at people who are not to be relit.
@@ -121,7 +127,7 @@ def place_masks(
 
 
 def place_faces(faces: Iterable[Look], size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
-    """Probability (h, w) in [0, 1] that a place of a photo is somebody's face; sizes as for `place_masks`."""
+    """Probability (h, w) in [0, 1] that a place in a photo belongs to a face; sizes as of `place_masks`."""
     whole, result = all_of(size, photo_size), np.zeros(size, np.float32)
     for face, view in faces:
         seen = spread_crop(_in_range(face), view, whole)
@@ -130,7 +136,7 @@ def place_faces(faces: Iterable[Look], size: tuple[int, int], photo_size: tuple[
 
 
 def near_views(people: Sequence[list[Look]], size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
-    """Which places (h, w) of a photo, true or false, lie in somebody's nearest look; arguments as of `place_masks`."""
+    """Which places in a photo lie in anybody's nearest look, (h, w) bool; arguments as of `place_masks`."""
     seen = (_inside(looks[0][1], size, photo_size) for looks in people)
     return np.logical_or.reduce([np.zeros(size, bool), *seen])
 
@@ -140,17 +146,21 @@ def likely_person(
 ) -> np.ndarray:
     """Probability of person over a whole photo: the masks, corrected by colour.
 
-    How much colours may say differs. In a face, which networks know by its shape, they say nothing against the person:
-    a nose before a wall of the colour of skin stays a nose. Beyond the nearest looks they say more than within: a wall
-    that a wider look takes for a lap has the colours of the wall behind the shoulders. Within, they say most where the
-    masks are in doubt and hardly anything on the person has such a colour.
+    The correction is limited, and differently in different places:
+
+    - In a face, which networks recognise by its shape, colours never count against the person: a nose in front of a
+      wall of the colour of skin stays a nose.
+    - Beyond the nearest looks they count more than within: a wall that a wider look takes for a lap has the colours of
+      the wall behind the shoulders.
+    - Within the nearest looks they count most where the masks are in doubt and hardly anything on the person has such a
+      colour.
 
     Args:
         guide: (h, w, 3) sRGB in [0, 1], a small copy of the photo.
         placed: masks of that size (see `place_masks`).
-        face: (h, w) probability of a face, of that size (see `place_faces`); None where nobody's is known.
-        near: (h, w) in [0, 1], of that size: what is seen in the nearest looks (see `near_views`). Colours are learnt
-            there alone. None where all of it is.
+        face: (h, w) probability of a face, of that size (see `place_faces`); None if no face is known.
+        near: (h, w) in [0, 1], of that size, what lies in the nearest looks (see `near_views`), from which alone
+            colours are learnt; None if everything does.
 
     Returns:
         (h, w) float32 in (0, 1).
@@ -162,16 +172,17 @@ def likely_person(
 
 
 def attached(matte: np.ndarray, placed: list[np.ndarray]) -> np.ndarray:
-    """A matte without what is connected to no person: no place is above the least alpha on the best path to a person.
+    """A matte without what isn't connected to a person, such as things that happen to have a person's colours.
 
-    Things with a person's colours lie about in photos. Flying hair and hands are connected by something.
+    Flying hair and hands are always connected by something. No place keeps more than the smallest alpha along the best
+    path to a person.
 
     Args:
         matte: (h, w) in [0, 1], over the whole photo.
-        placed: as for `likely_person`; the largest part of each mask in which it is sure is a person.
+        placed: as of `likely_person`; the largest part of each mask that is sure counts as a person.
 
     Returns:
-        (h, w) float32, nowhere above the matte; the matte itself where no mask shows anybody.
+        (h, w) float32, nowhere above the matte; the matte itself if no mask shows anybody.
     """
     surely = np.zeros_like(matte)
     for seen in placed:
@@ -182,14 +193,14 @@ def attached(matte: np.ndarray, placed: list[np.ndarray]) -> np.ndarray:
 
 
 def without_holes(matte: np.ndarray, placed: list[np.ndarray], likely: np.ndarray) -> np.ndarray:
-    """A matte without the gaps that a person encloses and their mask does not have: skin of the colour of the wall.
+    """A matte without enclosed gaps that the masks don't have, such as skin of the same colour as the wall.
 
-    A gap that the mask has too, or that colours plainly see, is a real one, as between an arm and the body, or a curl
+    A gap that the masks have too, or that colours show clearly, is real: between an arm and the body, or between a curl
     and the neck.
 
     Args:
-        matte, placed: as for `attached`.
-        likely: (h, w) as `likely_person` has it.
+        matte, placed: as of `attached`.
+        likely: (h, w), of `likely_person`.
 
     Returns:
         (h, w) float32, nowhere below the matte.
@@ -202,14 +213,14 @@ def without_holes(matte: np.ndarray, placed: list[np.ndarray], likely: np.ndarra
 def without_lookalikes(matte: np.ndarray, guide: np.ndarray, undecided: np.ndarray) -> np.ndarray:
     """A matte without the gaps whose colours are those of the person around them and not of the background.
 
-    Through a real gap one sees the background that is also seen beside the person. A black brim, or hair in deep
-    shadow, which the masks miss, has other colours than that.
+    A real gap shows the background that is also seen beside the person. A black brim, or hair in deep shadow, which the
+    masks may miss, has other colours.
 
     Args:
         matte: (h, w) in [0, 1].
         guide: (h, w, 3) sRGB in [0, 1].
-        undecided: (h, w) the matte before even areas near one half were decided; a strand around a gap may be
-            unbroken only there.
+        undecided: (h, w) the matte before even areas near one half were decided; only in it may a strand around a gap
+            be unbroken.
 
     Returns:
         (h, w) float32, nowhere below the matte.
@@ -220,16 +231,16 @@ def without_lookalikes(matte: np.ndarray, guide: np.ndarray, undecided: np.ndarr
 
 
 def closed(matte: np.ndarray) -> np.ndarray:
-    """A matte (h, w) with its holes filled: what is background but not connected to the border by background."""
+    """A matte (h, w) with its holes filled: background that isn't connected to the border through background."""
     border = np.ones_like(matte)
     border[1:-1, 1:-1] = 0
     return 1 - _spread_within(np.minimum(border, 1 - matte), 1 - matte)
 
 
 def _half_enclosed(matte: np.ndarray) -> np.ndarray:
-    """(h, w) bool, the gaps that a soft outline of a matte (h, w) encloses, with their soft edges.
+    """The gaps that a soft outline of a matte (h, w) encloses, with their soft edges, (h, w) bool.
 
-    Soft edges enclose specks by chance; of a gap, a good part of the pixels is enclosed.
+    Soft edges enclose specks by chance. Of a gap, a good part of the pixels must be enclosed.
     """
     around = closed(matte)
     within = cv2.erode((around > _HALF_ENCLOSED).astype(np.uint8), _RIM)
@@ -243,7 +254,7 @@ def _half_enclosed(matte: np.ndarray) -> np.ndarray:
 
 
 def _like_what_is_about(matte: np.ndarray, gaps: np.ndarray, guide: np.ndarray) -> np.ndarray:
-    """(h, w) in [0, 1], how surely each gap in a bool mask (h, w) has the colours of the person around it."""
+    """Certainty that each gap in a bool mask (h, w) has the colours of the person around it, (h, w) in [0, 1]."""
     surely = np.zeros_like(matte)
     _, parts, boxes, _ = cv2.connectedComponentsWithStats(gaps.astype(np.uint8))
     bins = bins_of(guide)
@@ -261,11 +272,11 @@ def _like_what_is_about(matte: np.ndarray, gaps: np.ndarray, guide: np.ndarray) 
 
 
 def _spread_within(seed: np.ndarray, limit: np.ndarray) -> np.ndarray:
-    """Grey-scale reconstruction (Vincent 1993): the seed grows over its neighbours, nowhere above the limit."""
+    """Greyscale reconstruction by dilation (Vincent 1993): the seed grows over its neighbours, up to the limit."""
     kernel = np.ones((3, 3), np.uint8)
     while True:
         grown = seed
-        # To see that nothing grows any more takes longer than to grow.
+        # Several steps at once, since checking for growth takes longer than growing.
         for _ in range(_GROWN_AT_ONCE):
             grown = np.minimum(cv2.dilate(grown, kernel), limit)
         if np.array_equal(grown, seed):
@@ -274,7 +285,7 @@ def _spread_within(seed: np.ndarray, limit: np.ndarray) -> np.ndarray:
 
 
 def _placed(looks: list[Look], size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
-    """A person's nearest mask at its place, (h, w); beyond it the prior on bodies, corrected by wider looks."""
+    """A person's probability (h, w): the nearest look, and beyond it the prior on bodies, corrected by wider looks."""
     whole = all_of(size, photo_size)
     (person, view), *wider = looks
     seen = spread_crop(_in_range(person), view, whole)
@@ -291,7 +302,10 @@ def _leave_to_others(mask: np.ndarray, looks: list[Look], near: np.ndarray, phot
     """Lower a person's mask, in place, to `_NOBODY` where it is only the weak prior and another's nearest look reaches.
 
     Args:
-        near: (h, w) see `near_views`, of everybody.
+        mask: (h, w), the person's.
+        looks: at the person.
+        near: (h, w), `near_views` of everybody.
+        photo_size: (height, width).
     """
     perhaps = near & (mask <= _PERHAPS_BODY)
     for _, view in looks:
@@ -300,18 +314,19 @@ def _leave_to_others(mask: np.ndarray, looks: list[Look], near: np.ndarray, phot
 
 
 def _nearness(looks: list[Look], size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
-    """How near the middle of somebody's nearest look the places of a photo are, (h, w) above 0."""
+    """The weight of a person's claim to each place in a photo, by its distance from their nearest look, (h, w) > 0."""
     across, down = across_and_down(looks[0][1], size, photo_size)
     return ((_MIDDLE + np.hypot(across - 0.5, down - 0.5)) ** -_NEARNESS_POWER).astype(np.float32)
 
 
 def _inside(view: Crop, size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
+    """Which places in a photo lie in a view, (h, w) bool."""
     across, down = across_and_down(view, size, photo_size)
     return (across >= 0) & (across < 1) & (down >= 0) & (down < 1)
 
 
 def _heeding(guess: np.ndarray, told: np.ndarray) -> np.ndarray:
-    """A prior probability corrected by what a wider look says, as far as its log odds are beyond doubt."""
+    """A prior probability corrected by a wider look's, as far as its log odds exceed the thresholds of doubt."""
     told = np.clip(told, _SUREST, 1 - _SUREST)
     odds = np.log(told / (1 - told))
     beyond_doubt = np.maximum(odds - _DOUBTED, 0) + np.minimum(odds + _DENIED, 0)
@@ -323,15 +338,16 @@ def _in_range(mask: np.ndarray) -> np.ndarray:
 
 
 def _around(across: np.ndarray, below: np.ndarray, placed: np.ndarray) -> np.ndarray:
-    """(h, w) the prior probability of person beyond a view.
+    """The prior probability of person beyond a view, (h, w).
 
-    Shoulders widen below a view, hair and hats go on above it, and nobody is far above or beside it, or below their
-    feet. A view is 3.4 faces wide and ends two faces below the face's middle (see `face.person_view`), so that a person
-    who stands ends about two views further down. From the knees on, what lies beside legs is floor more often than a
-    gown, and of any colour.
+    Shoulders widen below a view, hair and hats continue above it, and nobody is far above or beside it, or below their
+    own feet. A view is 3.4 faces wide and ends two faces below the face's middle (see `face.person_view`), so a
+    standing person ends about two views further down. From the knees down, what lies beside legs is more often floor,
+    of any colour, than a gown.
 
     Args:
-        across, below: (h, w) how far each place lies beside the view's middle and below its lower edge, in its sides.
+        across, below: (h, w) distance of each place from the view's middle sideways, and from its lower edge
+            downwards, in its sides.
         placed: (h, w) the view's mask.
     """
     guess = np.full(placed.shape, _PERHAPS_BODY, np.float32)
@@ -348,8 +364,9 @@ def _as_colours_say(guide: np.ndarray, prior: np.ndarray, face: np.ndarray, near
     """Probability (h, w) from prior log odds plus the limited log odds of each pixel's colour.
 
     Args:
+        guide: (h, w, 3) sRGB.
         prior: (h, w) log odds of person.
-        face, near: (h, w) in [0, 1]: where colours say nothing against the person, and where they are learnt.
+        face, near: (h, w) in [0, 1]: where colours don't count against the person, and where they are learnt.
     """
     bins = bins_of(guide)
     odds, in_doubt = prior, 1 - ramp(prior, *_DOUBTFUL)
@@ -364,4 +381,5 @@ def _as_colours_say(guide: np.ndarray, prior: np.ndarray, face: np.ndarray, near
 
 
 def _sure(probability: np.ndarray) -> np.ndarray:
+    """The weight of pixels for learning colours, by their probability."""
     return ramp(probability, _SURE_FROM, 1)

@@ -23,38 +23,38 @@ from relight_core.pipeline.per_photo.strands import Strands, strands_of
 from relight_core.pipeline.per_photo.turned_photo import filled_corners
 
 WORKING_PX = 1024
-"""The longest side of the copy in which mattes are made."""
+"""Longer side of the copy in which mattes are made."""
 
 _FUSION_PX = 512
-"""The longest side of the maps of both sides' mean colours."""
+"""Longer side of the maps of foreground and background colours."""
 _NEAR_SHARE = 0.015
-"""The deviation of the blur behind `Matte.nearby`, as a share of its longest side."""
+"""Standard deviation of the blur in `Matte.nearby`, as a share of its longer side."""
 _LEAST_OWN = 0.5
-"""The share of the person's mean colour that each channel of their own colour has at the least."""
+"""Each channel of the person's own colour has at least this share of the person's mean colour."""
 _EDGE_CODES = 3.0
-"""Steps of the guide, in 255ths, that are an edge to the guided filter and no noise."""
+"""Steps of the guide, in 255ths, from which on the guided filter sees an edge instead of noise."""
 _EDGE_WINDOWS = 128
-"""The longest side of a picture over the radius of the guided filter that moves edges."""
+"""Longer side of a picture over the radius of the guided filter that moves edges."""
 
 
 @dataclass(frozen=True, eq=False)
 class Matte:
-    """How much of each pixel is person, and what colour that part has, at any resolution.
+    """The matte and the foreground's colour at any resolution.
 
-    Small maps from which the matte and the colour of any pixel of the photo are computed where they are needed, so
-    that no full-size result has to be kept.
+    It consists of small maps, from which both are computed for any pixel of the photo when they are needed, so that no
+    full-size result has to be kept.
 
     Attributes:
-        slope, level: (h, w): the matte is slope * guide + level, clipped to [0, 1], with the guide at the resolution
-            that is asked for (see `guide_of`).
-        person, behind: (k, l, 3) linear, mean colours of the foreground and the background around each place.
-        nearby: (k, l) the matte averaged about each place.
-        own_alpha: whether the photo's own alpha is the matte; then the maps say nothing.
-        exposure: edges are looked for in the photo times this, see `exposure_about_faces`.
-        inside: what of the photo, no longer than WORKING_PX, lies within a frame (see `photo_frame.inside_frame`);
-            None where there is no frame.
-        ends: the same in pixels of the photo, if that is longer; beyond it there is nobody but who is painted there.
-        beyond: (h, w) in [0, 1], how much of a person is painted beyond it; None for nothing.
+        slope, level: (h, w): the matte is slope * guide + level, clipped to [0, 1], with the guide at the requested
+            resolution (see `guide_of`).
+        person, behind: (k, l, 3) linear, local mean colours of the foreground and the background.
+        nearby: (k, l) the blurred matte.
+        own_alpha: the photo's own alpha is the matte; then the maps are unused.
+        exposure: the guide is that of the photo times this, see `exposure_about_faces`.
+        inside: the part of the photo within its frame (see `photo_frame.inside_frame`), in cells of the copy with a
+            longer side of at most WORKING_PX; None if there is no frame.
+        ends: the same in pixels of the photo, if the photo is longer. Outside there is only what was painted there.
+        beyond: (h, w) in [0, 1], the matte painted outside; None for nothing.
     """
 
     slope: np.ndarray
@@ -70,7 +70,7 @@ class Matte:
 
 
 def guide_of(linear: np.ndarray) -> np.ndarray:
-    """What the matte's edges follow: the square root of luminance, (..., 3) to (...), [0, 1]."""
+    """The guide, whose edges the matte follows: the square root of luminance, (..., 3) to (...), [0, 1]."""
     grey = np.clip(luminance(linear), 0.0, 1.0)
     return np.sqrt(grey, out=grey)
 
@@ -78,15 +78,15 @@ def guide_of(linear: np.ndarray) -> np.ndarray:
 def own_colour(linear: np.ndarray, share: np.ndarray, person: np.ndarray, behind: np.ndarray) -> np.ndarray:
     """The person's own colour where the matte is soft (the foreground of the compositing equation).
 
-    A pixel is a mix, by the matte, of the mean colours of both sides, plus a remainder; that is added to the person's
-    mean colour in proportion to the matte. Two cases need more than that:
+    A pixel is modelled as a mix, by the matte, of the mean colours of both sides, plus a remainder. The remainder times
+    the matte is added to the person's mean colour. Two cases need more than that:
 
-    - A pixel darker than both means is no mix of them, such as hair between skin and a wall where the matte is one
-      half. Both means are dimmed first, until the darker one is as dark as the pixel; else clipping at 0 would leave
-      the person nothing but the strongest channel.
-    - Where a strand before a bright sky covers more of a pixel than the matte says, the remainder would take away all
-      of the colour, or all but one channel. No channel falls below half of the person's mean, as far as the pixel
-      holds so much.
+    - A pixel darker than both means can't be a mix of them, such as hair between skin and a wall where the matte is one
+      half. So both means are first dimmed until the darker one is as dark as the pixel. Otherwise clipping at 0 would
+      leave the person only the strongest channel.
+    - Where a strand in front of a bright sky covers more of a pixel than the matte says, the remainder would remove all
+      of the colour, or all but one channel. So no channel falls below half of the person's mean, as far as the pixel
+      contains that much.
 
     Args:
         linear: (h, w, 3), pixels of the photo.
@@ -95,7 +95,7 @@ def own_colour(linear: np.ndarray, share: np.ndarray, person: np.ndarray, behind
 
     Returns:
         (h, w, 3) linear, >= 0, not premultiplied; times the matte it is no brighter than the pixel. Where the matte is
-        0 or 1, the pixels themselves.
+        0 or 1, it is the pixel itself.
     """
     soft = np.flatnonzero((share > 0.0) & (share < 1.0))
     if not soft.size:
@@ -105,7 +105,7 @@ def own_colour(linear: np.ndarray, share: np.ndarray, person: np.ndarray, behind
     seen = np.maximum(luminance(mixed), np.finfo(np.float32).tiny)
     dimmed = seen / np.maximum(np.minimum(luminance(mean), luminance(beside)), seen)
     colour = linear.copy(order="C")
-    # Channel by channel: numpy is slow at pixels times shares of pixels.
+    # Channel by channel, since NumPy is slow with arrays whose last dimension is 3.
     for channel in range(3):
         at, of_person, of_behind = mixed[:, channel], dimmed * mean[:, channel], dimmed * beside[:, channel]
         remainder = at - alpha * of_person - (1.0 - alpha) * of_behind
@@ -117,16 +117,16 @@ def own_colour(linear: np.ndarray, share: np.ndarray, person: np.ndarray, behind
 
 @dataclass(frozen=True, eq=False)
 class DraftMatte:
-    """What networks and colours say of a photo's people, before hands and edges do.
+    """The matte from networks and colours, before the user's strokes and the photo's edges refine it.
 
     Attributes:
-        share: (h, w) in [0, 1].
-        small: (h, w, 3) linear, the photo no longer than WORKING_PX.
-        guide: (h, w, 3) the same as it is displayed, sRGB.
+        share: (h, w) in [0, 1], the matte.
+        small: (h, w, 3) linear, a copy of the photo with a longer side of at most WORKING_PX.
+        guide: (h, w, 3) the copy as it is displayed, sRGB.
         photo_size: (height, width).
-        exposure: the guide shows the photo times this, see `exposure_about_faces`.
-        inside, ends: as of `Matte`; all of the share is there.
-        strands: how much of it is hair about the outlines of hair; None where colours don't tell.
+        exposure: the guide is that of the photo times this, see `exposure_about_faces`.
+        inside, ends: as of `Matte`; the share is 0 outside.
+        strands: the matte along the outlines of hair; None if colours don't tell.
     """
 
     share: np.ndarray
@@ -145,18 +145,22 @@ def draft_matte(
     small: np.ndarray | None = None,
     exposure: float | np.ndarray = 1.0,
 ) -> DraftMatte | None:
-    """Carry coarse person masks to the whole photo; None where the photo's own alpha is the matte.
+    """Make a first matte of the whole photo from the networks' looks, which takes some tenths of a second.
 
-    The masks, a prior on bodies beyond their views, and colours say where a person probably is (`likely_person`);
-    nothing is learnt from a frame's colours. Closed-form matting (Levin, Lischinski and Weiss 2008) makes a soft matte
-    of that in a small copy; what is connected to nobody is taken out of it, and gaps within somebody are closed
-    (`first_matte`). Strands of hair are separated from what is behind them (`strands`). Takes some tenths of a second,
-    once per photo.
+    1. The looks, a prior on bodies beyond them, and colours give a probability of person (`likely_person`). A frame
+       around the picture is left out, so that its colours aren't learnt.
+    2. In a small copy, closed-form matting (Levin, Lischinski and Weiss 2008) turns it into a soft matte. What isn't
+       connected to anybody is removed, and gaps within a person are closed (`first_matte`).
+    3. Strands of hair are separated from what is behind them (`strands`).
 
     Args:
-        look: gives what networks see; not asked where the photo is cut out.
-        small: the photo no longer than WORKING_PX, (h, w, 3) linear, where that is there already.
-        exposure: edges are looked for in the photo times this, see `exposure_about_faces`.
+        photo: to be matted.
+        look: makes the networks' looks; not called if the photo is cut out.
+        small: a copy of the photo with a longer side of at most WORKING_PX, (h, w, 3) linear, if there is one already.
+        exposure: the guide is that of the photo times this, see `exposure_about_faces`.
+
+    Returns:
+        None if the photo is cut out, so that its own alpha is the matte.
     """
     if photo.is_cut_out:
         return None
@@ -178,7 +182,7 @@ def draft_matte(
 
 
 def _ends(linear: np.ndarray, exposure: float | np.ndarray, inside: Inside, small: tuple[int, int]) -> Inside:
-    """What of a photo (H, W, 3) lies within a frame, of which cells of a `small` copy are `inside`."""
+    """The part of a photo (H, W, 3) within its frame, to the pixel, from its cells in a copy of the size `small`."""
     size = linear.shape[:2]
 
     def shown(part: Inside) -> np.ndarray:
@@ -192,10 +196,13 @@ def _ends(linear: np.ndarray, exposure: float | np.ndarray, inside: Inside, smal
 def _within(
     inside: Inside | None, corners: np.ndarray | None, share: np.ndarray, beyond: np.ndarray | None = None
 ) -> np.ndarray:
-    """A matte (h, w) that is 0 in a frame, and in the filled corners (h, w) of a turned photo.
+    """A matte (h, w) that is 0 in a frame, and in the filled corners (h, w) of a rotated photo.
 
     Args:
-        beyond: (h, w) the matte in the frame, in place of 0.
+        inside: the cells within the frame, if there is one.
+        corners: (h, w) bool, if there are any.
+        share: (h, w) the matte.
+        beyond: (h, w) the matte to use in the frame instead of 0.
     """
     if corners is not None:
         share = np.where(corners, np.float32(0), share)
@@ -207,19 +214,23 @@ def _within(
 
 
 def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) -> Matte:
-    """Let the strokes of a brush correct a draft, and move its edges onto the photo's.
+    """Correct a draft by brush strokes, and move its edges onto the photo's.
 
-    A guided filter (He, Sun and Tang 2013) does the latter, so that a stroke need not follow an edge to the pixel. A
-    stroke thinner than the filter's window, which would average it away, stays where it was painted. Strands of hair
-    are put in where nobody painted, and outlines that are out of focus end as softly as in the photo. The photo's own
-    alpha, for which there is no draft, is left as it is.
+    The edges are moved by a guided filter (He, Sun and Tang 2013), so that a stroke need not follow an edge to the
+    pixel. Strokes thinner than the filter's window, which would average them away, stay where they were painted.
+    Strands of hair are inserted where nothing was painted, and outlines that are out of focus get as soft as in the
+    photo.
+
+    Args:
+        draft: None if the photo's own alpha is the matte, which stays as it is.
+        strokes: of the user.
     """
     if draft is None:
         nothing, black = np.zeros((1, 1), np.float32), np.zeros((1, 1, 3), np.float32)
         return Matte(nothing, nothing, black, black, nothing, True)
     small, guide = draft.small, draft.guide
     coarse = painted(draft.share, strokes, draft.photo_size)
-    # Filters must not see a frame: somebody as white as it is would fade out across its edge.
+    # The filters must not see a frame: a person as white as the frame would fade out across its edge.
     go_on = partial(_going_on, draft.inside)
     share = _on_edges(go_on(guide), go_on(coarse), strokes, draft.photo_size)
     share = _within(draft.inside, None, share, coarse)
@@ -233,7 +244,7 @@ def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) 
     if guide.shape[:2] != draft.photo_size:
         going_on_share = go_on(share)
         slope, level = _guided_coefficients(seen, going_on_share)
-        # Out of focus there is no finer edge to follow, but there is grain.
+        # Where the outline is out of focus, the photo has no finer edge to follow, only grain.
         slope, level = slope * (1 - out_of_focus), level + out_of_focus * (going_on_share - level)
         ends, beyond = draft.ends, _painted_beyond(draft.inside, share)
     fused = shrunk_size(draft.photo_size, _FUSION_PX)
@@ -244,7 +255,7 @@ def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) 
 
 
 def _painted_beyond(inside: Inside | None, share: np.ndarray) -> np.ndarray | None:
-    """What of a matte (h, w) was painted into a frame, continued by one cell out of it; None for nothing."""
+    """The part of a matte (h, w) that was painted into a frame, continued by one cell out of it; None for nothing."""
     if inside is None:
         return None
     beyond = share.copy()
@@ -258,7 +269,7 @@ def _painted_beyond(inside: Inside | None, share: np.ndarray) -> np.ndarray | No
 def _on_edges(
     guide: np.ndarray, coarse: np.ndarray, strokes: Sequence[BrushStroke], photo_size: tuple[int, int]
 ) -> np.ndarray:
-    """The painted matte (h, w), its edges moved onto those of the guide (h, w, 3), but for thin strokes."""
+    """The painted matte (h, w) with its edges moved onto those of the guide (h, w, 3), except in thin strokes."""
     window = max(round(max(guide.shape) / _EDGE_WINDOWS), 2)
     share = np.clip((_guided(guide, coarse, window) - 0.2) / 0.6, 0.0, 1.0)
     window_px = window * max(photo_size) / max(guide.shape)
@@ -269,7 +280,7 @@ def _on_edges(
 
 
 def _going_on(inside: Inside | None, image: np.ndarray) -> np.ndarray:
-    """A picture (h, w) or (h, w, 3) as if it went on beyond what lies within a frame, if there is one."""
+    """A picture (h, w) or (h, w, 3) in which a frame, if there is one, is replaced by a continuation of the inside."""
     return image if inside is None else going_on(image[inside], inside, image.shape[:2])
 
 
@@ -286,7 +297,7 @@ def _guided_coefficients(guide: np.ndarray, mask: np.ndarray) -> tuple[np.ndarra
 
 
 def _sides(image: np.ndarray, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Mean colours of person and background about each place, by blur fusion (Forte 2021, two passes)."""
+    """Local mean colours of person and background, by blur fusion (Forte 2021, two passes)."""
     size = shrunk_size(share.shape, _FUSION_PX)
     small, small_share = resize_area(image, size), np.clip(resize_area(share, size), 0.0, 1.0)
     wide = max(round(max(size) / 24), 12)
@@ -300,7 +311,7 @@ def _sides(image: np.ndarray, share: np.ndarray) -> tuple[np.ndarray, np.ndarray
 def _side_means(
     foreground: np.ndarray, background: np.ndarray, share: np.ndarray, radius: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Local means of either side, weighted by how much of each pixel it has."""
+    """Local means of both sides' colours, weighted by the matte (h, w) and by one minus it."""
     window = (2 * radius + 1,) * 2
     means = []
     for colour, weight in ((foreground, share), (background, 1.0 - share)):
@@ -310,10 +321,10 @@ def _side_means(
 
 
 def _guided(guide: np.ndarray, mask: np.ndarray, radius: int) -> np.ndarray:
-    """Guided filter of a mask by an sRGB image. Both are finite: one NaN would spread over its window.
+    """Guided filter of a mask by an sRGB image. Both must be finite, since a NaN would spread over its window.
 
-    The guide goes in as codes up to 255: with colours up to 1 OpenCV takes the covariance of any calm
-    window for singular, and blurs.
+    The guide is scaled to codes up to 255: with colours up to 1 OpenCV takes the covariance of any smooth window to be
+    singular, and blurs.
     """
     codes = np.ascontiguousarray(guide * np.float32(255.0))
     return cv2.ximgproc.guidedFilter(codes, np.ascontiguousarray(mask, np.float32), radius, _EDGE_CODES**2)

@@ -1,8 +1,8 @@
-"""Lips and teeth that look bluer than they are and than the photo shows them.
+"""Lips and teeth that would get a bluer albedo than they have.
 
-A photo's skin may have been made warmer than the rest of it, by a tan, a filter or make-up. Its light then passes
-for a warm one, and what is not as warm for something blue: in a white light teeth would be blue and lips purple.
-Lipstick may be of any colour, but a photo shows it.
+A tan, a filter or make-up may make skin warmer than the rest of the photo. Then the light is estimated as too warm, and
+what is less warm as too blue: in a white light teeth would be blue and lips purple. Lipstick may have any colour, but
+then the photo shows it; so mouths get no bluer than in the photo.
 """
 
 from __future__ import annotations
@@ -14,14 +14,16 @@ from relight_core.imaging.tensor_logs import logs
 from relight_core.pipeline.stages import Surface
 
 _BLUEST = 0.1
-"""Log ratio of blue to green: of 144 portraits, by their estimated lights, five pairs of lips of six have less."""
+"""Log ratio of blue to green that mouths may always have: in 144 portraits, under their estimated lights, five of six
+pairs of lips have less."""
 
 
 def too_blue(surface: Surface, tint: torch.Tensor) -> torch.Tensor:
-    """The part of a tint that makes a mouth bluer than the photo shows it and than mouths are, (1, 3, S, S), mean 0.
+    """The part of a tint that makes a mouth bluer than in the photo and than mouths are, (1, 3, S, S) of mean 0.
 
     Args:
-        tint: (1, 3, S, S), log ratios by which the colour of the surface's albedo is off.
+        surface: of the photo.
+        tint: (1, 3, S, S), log ratios that correct the colour of the surface's albedo.
     """
     mouth = likely(share_of(surface.parsing, MOUTH))
     shown, meant = _bluish(surface.photo), _bluish(surface.albedo) + tint[:, 2:] - tint[:, 1:2]
@@ -31,5 +33,5 @@ def too_blue(surface: Surface, tint: torch.Tensor) -> torch.Tensor:
 
 
 def _bluish(image: torch.Tensor) -> torch.Tensor:
-    """(1, 1, S, S) the log ratio of blue to green."""
+    """The log ratio of blue to green, (1, 1, S, S)."""
     return logs(image[:, 2:]) - logs(image[:, 1:2])

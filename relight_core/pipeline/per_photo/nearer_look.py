@@ -1,8 +1,8 @@
-"""A second look at a face, from as near as the paper's crop, where its view shows much besides the face.
+"""A nearer look at a face, about as near as the paper's crop, if its view shows much besides the face.
 
-In a view of a person down to the chest a face is as small for the de-lighting network as it ever saw one in training:
-the bridge of the nose comes out low, its shadow faint, old shading stays in the albedo. The nearer look says what the
-face is like, the view what is around it. SS and composition, too, draw a sharper shadow where the face is larger.
+In a view of a person down to the chest, a face is as small as the smallest ones that de-lighting was trained on. The
+bridge of the nose comes out low, its shadow faint, and shading stays in the albedo. So the face is taken from the
+nearer look, and what is around it from the view. SS and composition also draw sharper shadows where the face is larger.
 """
 
 from __future__ import annotations
@@ -28,33 +28,35 @@ _AROUND = 1.1
 """Side of the nearer view, in sides of the paper's crop."""
 
 _WORTH_IT_FROM = 1.25
-"""The view's side, in sides of the nearer view."""
+"""The nearer look is taken if the view is more than so many times as wide."""
 
 _EDGE_SHARE = 0.12
 """Share of the nearer view's side over which it fades toward its edge."""
 _DARKEST_ALBEDO = 0.01
-"""Albedos count as no darker where the levels of both looks are compared."""
+"""Smallest albedo when the levels of both looks are compared."""
 _LEVELS = (0.6, 1.6)
-"""The least and the most by which the view's albedo is brought to the nearer look's level."""
+"""Limits of the factor that brings the view's albedo to the nearer look's level."""
 _LITTLE = 1e-3
+"""Smallest divisor."""
 
 
 def nearer_view(portrait: Portrait) -> Crop | None:
-    """What a nearer look sees; None where the view is near enough."""
+    """The view of a nearer look; None if the portrait's view is near enough."""
     nearer = replace(portrait.crop, side=_AROUND * portrait.crop.side)
     return nearer if portrait.view.side > _WORTH_IT_FROM * nearer.side else None
 
 
 @torch.inference_mode()
 def with_nearer_look(surface: Surface, seen_nearer: Surface, view: Crop, nearer: Crop) -> Surface:
-    """A surface with its face as a nearer look found it.
+    """A surface with its face replaced by that of a nearer look.
 
-    How high the relief is and how light the albedo are a guess in either; the albedo takes the nearer one's level
-    throughout, the relief keeps the view's.
+    The mean height of the relief and the level of the albedo are guesses in both looks. The albedo takes the nearer
+    look's level everywhere, the relief keeps the view's.
 
     Args:
         surface: of the view.
-        seen_nearer: of the same size, of the nearer view, whose roll is that of the view.
+        seen_nearer: of the nearer view, with the same size and roll.
+        view, nearer: the two views.
     """
     size = surface.normal.shape[-1]
     window = _window_of(view, nearer, size)
@@ -79,7 +81,7 @@ def with_nearer_look(surface: Surface, seen_nearer: Surface, view: Crop, nearer:
 
 
 def with_nearer_change(change: ViewChange, seen_nearer: ViewChange, view: Crop, nearer: Crop) -> ViewChange:
-    """What a light makes of a view, with what it makes of the nearer one in its place; maps of the same size."""
+    """The change of a view by a light, with the nearer view's change in its place; maps of the same size."""
     size = change.gain.shape[0]
     weight = _weight(_window_of(view, nearer, size), size)
     rows, columns = bounds(weight)
@@ -98,7 +100,7 @@ def with_nearer_change(change: ViewChange, seen_nearer: ViewChange, view: Crop, 
 def with_nearer_effects(
     effects: Mapping[str, np.ndarray], seen_nearer: Mapping[str, np.ndarray], view: Crop, nearer: Crop
 ) -> dict[str, np.ndarray]:
-    """The effect channels (S, S) of a view, with those of the nearer one, of the same size, in their place."""
+    """The effect channels (S, S) of a view, with those of the nearer view, of the same size, in their place."""
     size = len(next(iter(effects.values())))
     weight = _weight(_window_of(view, nearer, size), size)
     from_near = seen_across(view, size, np.dstack([seen_nearer[name] for name in effects]), nearer)
@@ -106,24 +108,24 @@ def with_nearer_effects(
 
 
 def _window_of(view: Crop, nearer: Crop, size: int) -> tuple[float, float, float, float]:
-    """Where the view lies in maps of `size` pixels of the nearer one: x0, y0, x1, y1."""
+    """Where the view lies in the nearer view's maps of `size` pixels: x0, y0, x1, y1."""
     x, y = nearer.from_photo(np.array([view.centre_x, view.centre_y]), size)
     half = view.side / nearer.side * size / 2
     return x - half, y - half, x + half, y + half
 
 
 def _weight(window: tuple[float, float, float, float], size: int) -> np.ndarray:
-    """(S, S) how much the nearer look counts at each pixel of the view."""
+    """The weight of the nearer look at each pixel of the view, (S, S) in [0, 1]."""
     places = (np.arange(size) + 0.5) / size
     across, down = ((low + (high - low) * places) / size for low, high in (window[::2], window[1::2]))
     return fade(down, _EDGE_SHARE)[:, None] * fade(across, _EDGE_SHARE)[None]
 
 
 def _resampled(image: torch.Tensor, window: tuple[float, float, float, float]) -> torch.Tensor:
-    """A window of (1, C, S, S), at the same size."""
+    """A window of an image (1, C, S, S), resampled to the same size."""
     return as_tensor(resample_window(as_image(image), window, image.shape[-2:]), image.device)
 
 
 def _mean(image: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:
-    """Of all channels, a scalar; 0 where nothing counts."""
+    """The weighted mean over pixels and channels, a scalar; 0 if nothing has weight."""
     return (image * weight).sum() / (weight.sum() * image.shape[1]).clamp_min(_LITTLE)

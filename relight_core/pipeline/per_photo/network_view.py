@@ -1,4 +1,4 @@
-"""What the networks see of a photo: the picture within its frame, which goes on beyond it."""
+"""What the networks see of a photo: the picture within its frame, whose edge pixels are repeated outside."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from relight_core.imaging.colour import without_colour
 from relight_core.imaging.photo import Photo
 
 _REACH, _TAPS_PX = math.sqrt(0.5), 4
-"""How far a turned view reaches from its middle, in its sides, and what its resampling reads beyond."""
+"""Distance of a rotated view's corners from its centre, in its sides; and pixels that its resampling reads beyond."""
 
 
 def network_view(photo: Photo, view: Crop, size: int, exposure: float) -> np.ndarray:
@@ -20,11 +20,11 @@ def network_view(photo: Photo, view: Crop, size: int, exposure: float) -> np.nda
 
 
 def picture_view(photo: Photo, view: Crop, size: int) -> np.ndarray:
-    """A view (size, size, 3) of a photo's picture, linear, whose edge pixels are continued over a frame."""
+    """A view (size, size, 3) of the picture within a photo's frame, linear; its edge pixels are repeated outside."""
     pixels, within = picture_pixels(photo), in_picture(photo, view)
     if pixels.flags.c_contiguous:
         return within.extract(pixels, size)
-    # Resampling copies what does not lie in one piece, which would be all of a large photo.
+    # Resampling copies arrays that aren't contiguous, so only the part around the view is passed to it.
     rows, columns = (
         _about(middle, _REACH * view.side + _TAPS_PX, length)
         for middle, length in zip((within.centre_y, within.centre_x), pixels.shape[:2], strict=True)
@@ -33,13 +33,13 @@ def picture_view(photo: Photo, view: Crop, size: int) -> np.ndarray:
 
 
 def _about(middle: float, reach: float, length: int) -> slice:
-    """The pixels of a side of `length` that lie no farther from its middle; the nearest one where there are none."""
+    """The pixels, out of `length`, within `reach` of a position; the nearest one if there are none."""
     start = min(max(math.floor(middle - reach), 0), length - 1)
     return slice(start, max(min(math.ceil(middle + reach), length), start + 1))
 
 
 def picture_pixels(photo: Photo) -> np.ndarray:
-    """(h, w, 3) linear: a photo within its frame, a cut-out before grey."""
+    """The photo within its frame, (h, w, 3) linear; a cut-out is composited over grey."""
     x0, y0, x1, y1 = photo.picture
     return photo.seen.linear[y0:y1, x0:x1]
 
@@ -51,7 +51,7 @@ def picture_size(photo: Photo) -> tuple[int, int]:
 
 
 def in_picture(photo: Photo, crop: Crop) -> Crop:
-    """A crop of a photo, counted from the corner of `picture_pixels`."""
+    """A crop of a photo in coordinates of `picture_pixels`."""
     x0, y0, *_ = photo.picture
     return crop.moved(-x0, -y0)
 
@@ -63,6 +63,6 @@ def in_photo(photo: Photo, crop: Crop) -> Crop:
 
 
 def as_networks_see(view: np.ndarray, monochrome: bool, exposure: float) -> np.ndarray:
-    """A view (S, S, 3) of a photo (a cut-out before grey), linear: a toned photo as the grey one it was, exposed."""
+    """A view (S, S, 3), linear, as the networks see it: exposed, and without the tone of a monochrome photo."""
     seen = without_colour(view) if monochrome else view
     return seen if exposure == 1.0 else seen * np.float32(exposure)

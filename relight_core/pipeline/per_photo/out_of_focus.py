@@ -1,8 +1,8 @@
-"""Outlines that are out of focus in the photo are so in its matte.
+"""Softens the matte's outlines where they are out of focus in the photo.
 
-Closed-form matting, filters along edges and the colours of hair all sharpen a matte. Where the lens drew an outline
-soft, that of hair behind a face in focus or of a shoulder before it, somebody darkened before a bright wall would have
-a jagged edge as if cut out with scissors.
+Closed-form matting, edge-aware filters and the colours of hair all sharpen a matte. But the outline of hair behind a
+face in focus, or of a shoulder in front of it, is soft in the photo. With a sharp matte, a person who is darkened in
+front of a bright wall would look as if cut out with scissors.
 """
 
 from __future__ import annotations
@@ -18,33 +18,36 @@ from relight_core.imaging.ramp import ramp
 from relight_core.imaging.resampling import resize_area, resize_smooth
 
 _FINER_PX, _COARSER_PX = 1.5, 3.0
-"""The blurs between which slopes are compared, standard deviations in pixels of each copy."""
+"""Standard deviations, in pixels of each copy, of the two blurs under which slopes are compared."""
 _COPIES = 3
-"""Each half as large as the one before, for outlines twice as soft."""
+"""Copies in which softness is measured, each half as large as the one before, for outlines twice as soft."""
 _TOO_SOFT = (0.7, 1.0)
-"""From what part of the coarser blur on the next copy says how soft an outline is, and it alone."""
+"""Ramp of an outline's softness, as a share of the coarser blur, over which the next copy's measurement takes over."""
 _ALONG_PX = 15.0
-"""How far along an outline softness is averaged, in pixels of the matte."""
+"""Standard deviation, in pixels of the matte, of the blur by which softness is averaged along an outline."""
 _SOFT_PX = (1.5, 2.5)
+"""Ramp of softness over which an outline becomes out of focus."""
 _CONTRAST = (0.02, 0.06)
-"""In displayed values: what is fainter may be noise, and says little about how soft an outline is."""
+"""Ramp of contrast, in displayed values, over which softness is trusted: fainter outlines may be noise."""
 _BLURS_PX = (0.0, 1.0, 2.0, 4.0, 8.0)
+"""Standard deviations of the blurs between which `_blurred_by` interpolates."""
 _HARDLY = 1 / 512
-"""What changes by less stays: pixels of which a thousandth is wall would cost as much as those that are half wall."""
+"""Smaller changes are dropped: soft pixels cost time, even if only a thousandth of them is wall."""
 
 
 def softened(share: np.ndarray, guide: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A matte whose outlines are as soft as the photo's, where these are out of focus.
+    """Make a matte's outlines as soft as the photo's where these are out of focus.
 
-    An outline is blurred by what it lacks. Sharp ones, strands in focus, and what stands out from nothing stay.
+    An outline is blurred by the difference in softness. Sharp outlines, strands in focus, and outlines without contrast
+    don't change.
 
     Args:
-        share: (h, w) in [0, 1], some thousand pixels wide at the most.
+        share: (h, w) in [0, 1], at most some thousand pixels wide.
         guide: (h, w) brightness of the photo as displayed, [0, 1].
 
     Returns:
-        (h, w) float32 in [0, 1] the matte, and (h, w) in [0, 1] how far the outlines about each place are out of
-        focus.
+        The matte, (h, w) float32 in [0, 1], and the degree to which the outlines around each place are out of focus,
+        (h, w) in [0, 1].
     """
     share = np.ascontiguousarray(share, np.float32)
     ends = cv2.morphologyEx((share > 0.5).astype(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))
@@ -58,10 +61,10 @@ def softened(share: np.ndarray, guide: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 @dataclass(frozen=True, eq=False)
 class _Softness:
-    """How an image draws an outline, about each place of a small copy.
+    """How an outline looks in an image, around each place of a small copy.
 
     Attributes:
-        blur_px: (k, l) how soft, as the standard deviation of a blur in pixels of the matte.
+        blur_px: (k, l) its softness, as the standard deviation of a blur in pixels of the matte.
         contrast: (k, l) the step between both sides.
     """
 
@@ -69,7 +72,7 @@ class _Softness:
     contrast: np.ndarray
 
     def unless_too_soft(self, softer: _Softness, limit_px: float) -> _Softness:
-        """This, and a smaller copy's where an outline is about as soft as what this one can tell, or softer."""
+        """This measurement, replaced by a smaller copy's where an outline is too soft for this one."""
         too_soft = ramp(self.blur_px / limit_px, *_TOO_SOFT)
         beyond_px = np.maximum(softer.blur_px, _TOO_SOFT[0] * limit_px)
         blur_px = self.blur_px + too_soft * (beyond_px - self.blur_px)
@@ -77,7 +80,7 @@ class _Softness:
 
 
 def _softness(guide: np.ndarray, share: np.ndarray, ends: np.ndarray) -> tuple[_Softness, _Softness]:
-    """How a photo (h, w) and a matte (h, w) draw the matte's outlines, which lie where `ends` (h, w) is above 0."""
+    """The softness of the matte's outlines in the photo (h, w) and in the matte (h, w); they lie where `ends` > 0."""
     copies = [_softness_in_copy(guide, share, ends, copy) for copy in range(_COPIES)]
     photo, own = copies[0]
     for copy in range(1, _COPIES):
@@ -88,17 +91,17 @@ def _softness(guide: np.ndarray, share: np.ndarray, ends: np.ndarray) -> tuple[_
 
 
 def _halved(size: tuple[int, int], times: int) -> tuple[int, int]:
+    """A size halved some times, at least 1."""
     height, width = (max(round(length / 2**times), 1) for length in size)
     return height, width
 
 
 def _softness_in_copy(guide: np.ndarray, share: np.ndarray, ends: np.ndarray, copy: int) -> list[_Softness]:
-    """`_softness`, as far as it can be told in one copy.
+    """`_softness` as measured in one copy.
 
-    Across an edge that is soft by b, the squared slopes under a further blur by s add up to contrast² /
-    (2 sqrt(pi (b² + s²))). How they fade from one blur to another therefore tells b (as the ratio of slopes does in
-    Zhuo and Sim, "Defocus map estimation from a single image", Pattern Recognition 44, 2011), and what they add up to
-    the contrast.
+    If an edge of softness b is blurred further by s, the squared slopes across it sum to contrast² /
+    (2 sqrt(pi (b² + s²))). So the ratio of the sums under two blurs gives b (as the ratio of slopes does in Zhuo and
+    Sim, "Defocus map estimation from a single image", Pattern Recognition 44, 2011), and the sum itself the contrast.
     """
     size, smallest = _halved(share.shape, copy), _halved(share.shape, _COPIES - 1)
     guide, share, ends = (resize_area(image, size) for image in (guide, share, ends))
@@ -106,7 +109,7 @@ def _softness_in_copy(guide: np.ndarray, share: np.ndarray, ends: np.ndarray, co
     near = np.clip(reach + 0.5 - distance_to(ends > 0), 0, 1)
     seen = np.maximum(_about(near, smallest), 1e-6) / (2 * reach + 1)
     right, down = _slopes(share, _COARSER_PX)
-    # Across the outline, where the matte rises straight; 0 away from it.
+    # Unit vectors across the outline, along the matte's gradient, times the weight of being near it.
     across = np.sqrt(near) / np.maximum(cv2.magnitude(right, down), 1e-6)
     right, down = right * across, down * across
 
@@ -121,7 +124,11 @@ def _softness_in_copy(guide: np.ndarray, share: np.ndarray, ends: np.ndarray, co
 
 
 def _as_softness(finer: np.ndarray, coarser: np.ndarray, px: int) -> _Softness:
-    """From what squared slopes add up to under both blurs, (k, l) each, in a copy with pixels of `px` of the matte."""
+    """Softness from the sums of squared slopes under both blurs, (k, l) each.
+
+    Args:
+        px: size of the copy's pixels, in pixels of the matte.
+    """
     fading = np.maximum(finer / np.maximum(coarser, 1e-12), 1.0005) ** 2
     squared = np.maximum((_COARSER_PX**2 - fading * _FINER_PX**2) / (fading - 1), 0)
     contrast = np.sqrt(finer * 2 * np.sqrt(np.pi * (squared + _FINER_PX**2)))
@@ -129,19 +136,19 @@ def _as_softness(finer: np.ndarray, coarser: np.ndarray, px: int) -> _Softness:
 
 
 def _slopes(image: np.ndarray, blur_px: float) -> tuple[np.ndarray, np.ndarray]:
-    """How much a blurred image (k, l) rises per pixel to the right, and downward, (k, l) each."""
+    """The gradient of a blurred image (k, l) per pixel, to the right and downward, (k, l) each."""
     window = 2 * math.ceil(3 * blur_px) + 1
     blurred = cv2.GaussianBlur(image, (window, window), blur_px)
     return cv2.Scharr(blurred, cv2.CV_32F, 1, 0, scale=1 / 32), cv2.Scharr(blurred, cv2.CV_32F, 0, 1, scale=1 / 32)
 
 
 def _about(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """An image (k, l) averaged about each place of a copy of some size."""
+    """An image (k, l), shrunk to a size and blurred along outlines by `_ALONG_PX`."""
     return cv2.GaussianBlur(resize_area(image, size), (0, 0), _ALONG_PX / 2 ** (_COPIES - 1))
 
 
 def _blurred_by(share: np.ndarray, blur_px: np.ndarray) -> np.ndarray:
-    """A matte (h, w) blurred by another standard deviation at each place, (k, l) in pixels of the matte."""
+    """A matte (h, w) blurred by a standard deviation that varies, (k, l) in pixels of the matte."""
     result = sharper = share
     widest_px, blur_px = blur_px.max(), resize_smooth(blur_px, share.shape)
     for less_px, more_px in zip(_BLURS_PX[:-1], _BLURS_PX[1:], strict=True):

@@ -1,4 +1,4 @@
-"""Which pixels of a photo belong to a person, as the person network sees them."""
+"""Which pixels of a photo belong to a person, according to the person network."""
 
 from __future__ import annotations
 
@@ -25,46 +25,48 @@ from relight_core.pipeline.stages import in_precision
 _SIZE = 256
 """Side of the view that the person network sees, in pixels."""
 _SURELY = 0.005
-"""Probabilities nearer to 0 or 1 count as this far from it, so that odds stay finite."""
+"""Probabilities are kept at least so far from 0 and 1, so that odds stay finite."""
 _OUTLINE_SHARE, _OUTLINE_SHARE_OF_HATS = 0.8, 0.4
-"""What the person network's log odds weigh beside the parsing's: usually, and where the parsing plainly sees a hat."""
+"""Weight of the person network's log odds in the mean with the parsing's: usually, and where the parsing clearly sees a
+hat."""
 _PERHAPS_HAT, _PLAINLY_HAT = 0.5, 0.95
-"""The parsing's probabilities of a hat between which the weight goes from the one to the other."""
+"""Ramp of the parsing's probability of hat between these two weights."""
 _HARDLY_HAT, _MAYBE_HAT = 0.2, 0.4
-"""Those between which a gap in the outline becomes a hair band."""
+"""Ramp of that probability over which a gap in the outline becomes a hair band."""
 _OPEN, _ENCLOSED, _GAP = 0.3, 0.5, 0.2
-"""Probability of the faintest of what lies around a gap, and by how much it is above the gap's."""
+"""A gap is enclosed if the faintest probability around it ramps from the first to the second, and exceeds the gap's by
+the third."""
 
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """A person in a photo.
+    """The probability of a person in a part of a photo.
 
     Attributes:
-        likely: (S, S) float32 in [0, 1], probability of person.
-        view: where in the photo that lies.
+        likely: (S, S) float32 in [0, 1].
+        view: where in the photo it lies.
     """
 
     likely: np.ndarray
     view: Crop
 
     def seen_in(self, view: Crop, size: int) -> tuple[np.ndarray, np.ndarray]:
-        """Probability (size, size) in another view of the photo, and how much of it is known there, both in [0, 1]."""
+        """The probability in another view, and the share of each pixel that is known, (size, size) in [0, 1] each."""
         return _moved(self.likely, self.view, view, size)
 
     def corrected(self, likely: np.ndarray, view: Crop) -> Outline:
-        """The same with another probability (s, s) as far as a view reaches."""
+        """The outline with its probability replaced by another, (s, s), within that one's view."""
         known_likely, known = _moved(likely, view, self.view, len(self.likely))
         return Outline(known * known_likely + (1 - known) * self.likely, self.view)
 
     def agreed(self, other: Outline) -> Outline:
-        """The same with its log odds averaged with those of another look, as far as that reaches."""
+        """The outline with its log odds averaged with another's, within the other's view."""
         likely, known = other.seen_in(self.view, len(self.likely))
         return Outline(_mean_odds(self.likely, likely, known / 2).astype(np.float32), self.view)
 
 
 def _moved(image: np.ndarray, view: Crop, other: Crop, size: int) -> tuple[np.ndarray, np.ndarray]:
-    """An image (s, s) of one view as seen in another, (size, size), and how much of that it covers."""
+    """An image (s, s) of one view resampled in another, (size, size), and the share of each pixel that it covers."""
     corners = np.array([[0.0, 0.0], [size, 0.0], [0.0, size]])
     source = view.from_photo(other.to_photo(corners, size), len(image))
     matrix = cv2.getAffineTransform((source - 0.5).astype(np.float32), (corners - 0.5).astype(np.float32))
@@ -83,13 +85,15 @@ def outline_person(
     mirrors: Sequence[bool] = (False,),
     exposure: float = 1.0,
 ) -> Outline:
-    """The person whose face lies in a crop, as far as a view reaches.
+    """The outline of the person whose face is in a crop, within a view.
 
     Args:
         bundle: with a person network.
+        photo: of the person.
         crop: the paper's crop of the face (section 3.2).
-        view: about that crop (see `face.person_view`).
-        mirrors: for each look at the view, whether at its mirror image; the log odds of all are averaged.
+        view: around that crop (see `face.person_view`).
+        device: of the networks.
+        mirrors: one entry for each run of the network, whether on the mirrored view; log odds are averaged.
         exposure: of the portrait.
     """
     inside = inside_photo(in_picture(photo, view), picture_size(photo), _SIZE)
@@ -106,21 +110,23 @@ def _turned_over(image: torch.Tensor, mirror: bool) -> torch.Tensor:
 
 
 def parsing_within(parsing: torch.Tensor, outline: Outline, view: Crop) -> torch.Tensor:
-    """A parsing whose background agrees with an outline; its other classes share the rest as they did.
+    """A parsing with its background corrected by an outline; the other classes keep their proportions.
 
-    De-lighting's parsing and the person network err in different places: the former sees the head larger and knows hair
-    and hats, the latter sees shoulders, has seen more backgrounds, and has nothing else to learn. So:
+    De-lighting's parsing and the person network make different errors. The parsing sees the head larger and knows hair
+    and hats; the person network sees shoulders, was trained on more backgrounds, and has no other task. So:
 
-    - Their log odds are averaged, the person network's with the larger weight.
-    - What the parsing takes for a face stays one.
-    - Above the eyes, where the two disagree, the less likely one holds: a tree or a window right behind a head passes
-      for hair or a hat with one of them, seldom with both.
-    - Where the parsing plainly sees a hat there, it has more weight: the person network takes the wide top of a cap
-      for something behind the cap's band.
-    - A gap between a head and the hair above it is closed where the parsing sees a hat: that is a hair band.
+    - Their log odds are averaged, with more weight on the person network.
+    - What the parsing takes for a face remains one.
+    - Above the eyes, the lower probability limits the mean: a tree or a window right behind a head is often taken for
+      hair or a hat by one of them, but seldom by both.
+    - Where the parsing clearly sees a hat there, it has more weight: the person network takes the wide top of a cap for
+      something behind the cap's band.
+    - A gap between a head and the hair above it is closed where the parsing sees a hat, which is a hair band.
 
     Args:
         parsing: (1, classes, S, S) probabilities in a view of the photo.
+        outline: of the person.
+        view: of the parsing.
     """
     found = parsing[0].cpu().numpy()
     by_parsing = person_with_headwear(found)
@@ -140,20 +146,20 @@ def parsing_within(parsing: torch.Tensor, outline: Outline, view: Crop) -> torch
 
 
 def _enclosed(likely: np.ndarray) -> np.ndarray:
-    """How surely a probability (S, S) has a gap all within a person, (S, S) in [0, 1]."""
+    """Certainty that a probability (S, S) has a gap that a person encloses, (S, S) in [0, 1]."""
     around = closed(likely)
     return ramp(around, _OPEN, _ENCLOSED) * ramp(around - likely, 0, _GAP)
 
 
 def _mean_odds(first: np.ndarray, second: np.ndarray, share: float | np.ndarray) -> np.ndarray:
-    """The probability whose log odds are a mean of two others', in which the second counts for a share in [0, 1]."""
+    """The probability whose log odds are the mean of two others', with a weight `share`, in [0, 1], on the second."""
     first, second = (np.clip(p, _SURELY, 1 - _SURELY) for p in (first, second))
     mean = (first / (1 - first)) ** (1 - share) * (second / (1 - second)) ** share
     return mean / (1 + mean)
 
 
 def _by_default(parsing: torch.Tensor) -> torch.Tensor:
-    """What a person is where nothing else is known: (1, classes - 1, 1, 1)."""
+    """The classes of a person where nothing is known, (1, classes - 1, 1, 1): cloth."""
     default = torch.zeros(1, parsing.shape[1] - 1, 1, 1, device=parsing.device)
     default[:, INDEX["cloth"] - 1] = 1
     return default

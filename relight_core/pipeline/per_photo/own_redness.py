@@ -1,9 +1,9 @@
-"""Redness that skin has by itself: a burn, a port-wine stain, sunburn, rouge.
+"""Redness that belongs to the skin: a burn, a port-wine stain, sunburn, rouge.
 
-They end little by little, as a lamp's colour does. But what a lamp does to skin follows from the way the skin faces,
-and that of all lamps together from nine numbers (Ramamoorthi and Hanrahan 2001), but for shadows. Redness that a face's
-normals don't explain is its own. It is blood's: green and blue go together, where those of lamps, of the sky and of
-shadows seldom do.
+It ends gradually, as a lamp's colour does. But apart from shadows, the colour that lamps give to skin is a function of
+the normal, and for all lamps together nine spherical harmonics describe it (Ramamoorthi and Hanrahan 2001). So redness
+that a face's normals don't explain is the skin's own. It comes from blood, which lowers green and blue together; lamps,
+the sky and shadows seldom do.
 """
 
 from __future__ import annotations
@@ -17,25 +17,28 @@ from relight_core.pipeline.per_photo.skin_colour import deep_shadow
 from relight_core.pipeline.stages import Surface
 
 _REACH = 0.04
-"""Of the view's side: what is narrower, as beside nostrils and lids, is shaded skin more often than red skin."""
+"""Reach of the local mean, as a share of the view's side: narrower redness, as beside nostrils and lids, is more often
+shaded skin."""
 _REDDER = (0.15, 0.35)
-"""Log ratios of red to green beyond what normals explain that may be, and surely are, more than flush."""
+"""Ramp of the unexplained log ratio of red to green over which redness becomes more than flush."""
 _NOT_OF_BLOOD = (0.4, 0.8)
-"""How far blue leaves green, as a share of how far red does, from which on it may not, and surely doesn't, do it."""
+"""Ramp of the change of blue relative to green, as a share of that of red, over which it ceases to be blood's."""
 _OF_LAMPS = (0.7, 1.0)
-"""How far apart normals alone make log ratios of red to green, in nine tenths of the skin, where several lamps may,
-and surely do, light a face; what they don't explain there are the lamps' shadows."""
+"""Ramp of the range of log ratios of red to green that normals explain, over nine tenths of the skin, over which a face
+counts as lit by several lamps. What normals don't explain there are the lamps' shadows."""
 _USUAL, _ROUNDS, _EVERY = 0.1, 6, 4
-"""Log ratios by which skin differs from pixel to pixel; how often it is fitted anew with less of what is off by more;
-of how many pixels one is enough for that."""
+"""The robust fit: residuals above the first, in log ratios, lose weight; it has so many iterations, and uses every
+fourth pixel."""
 _RIDGE = 1e-3
+"""Regularisation of the fit, per pixel."""
 
 
 def own_redness(surface: Surface, ratios: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
-    """(1, 1, S, S) how surely a face's pixels are redder than most of it by themselves, [0, 1].
+    """Certainty that a face's pixels are redder than most of its skin by themselves, (1, 1, S, S) in [0, 1].
 
     Args:
-        ratios: (1, 3, S, S) log ratios to green of what the photo shows, beside the model of its light.
+        surface: of the photo.
+        ratios: (1, 3, S, S) log ratios to green of the photo's colours, with the known colour of the light removed.
         skin: (1, 1, S, S) probability of bare skin that the photo shows.
     """
     sure = (skin > SURELY)[0, 0]
@@ -52,7 +55,12 @@ def own_redness(surface: Surface, ratios: torch.Tensor, skin: torch.Tensor) -> t
 
 
 def _by_normals(values: torch.Tensor, normal: torch.Tensor, sure: torch.Tensor) -> torch.Tensor:
-    """(1, C, S, S) what normals (1, 3, S, S) explain of values of that shape, by most of a part (S, S), bool."""
+    """The part of values (1, C, S, S) that normals explain: spherical harmonics up to order 2, by a robust fit.
+
+    Args:
+        normal: (1, 3, S, S).
+        sure: (S, S) bool, where they are fitted.
+    """
     x, y, z = normal[0]
     harmonics = torch.stack([torch.ones_like(x), x, y, z, x * y, y * z, z * x, x * x - y * y, 3 * z * z - 1], -1)
     known, target = harmonics[sure][::_EVERY], values[0][:, sure].T[::_EVERY]

@@ -1,4 +1,4 @@
-"""The person in a photo, at any size of picture: what no light changes."""
+"""The person in a photo at any size of picture: matte and colour, which don't depend on the light."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ class Canvas:
         linear: (h, w, 3) linear, not premultiplied.
         alpha: (h, w) the photo's own, or None.
         photo_size: (height, width) of the photo.
-        beyond: (h, w, 3) float16, what lies outside Rec.709 (see `Photo`), or None. Smaller copies have none.
-        black: what lies over all of the photo and is no part of `linear`, or None. Where the photo is darker than
-            that, `linear` is below 0.
+        beyond: (h, w, 3) float16, the part of colours outside Rec.709 (see `Photo`), or None. Smaller copies have none.
+        black: the lifted black that has been subtracted from `linear`, or None. Where the photo is darker than it,
+            `linear` is below 0.
     """
 
     linear: np.ndarray
@@ -44,14 +44,14 @@ class Canvas:
 
 
 def canvas_of(photo: Photo, longest_side_px: int | None = None, black: Black | None = None) -> Canvas:
-    """The photo itself, or a copy of it that is no longer than so many pixels, without what lies over all of it."""
+    """The photo, or a copy whose longer side has at most so many pixels, with its lifted black subtracted."""
     linear = without_black(photo.linear, black)
     whole = Canvas(linear, photo.alpha, photo.linear.shape[:2], photo.beyond, black)
     return shrunk(whole, longest_side_px)
 
 
 def shrunk(canvas: Canvas, longest_side_px: int | None) -> Canvas:
-    """A canvas, or a copy of it that is no longer than so many pixels; black where it is transparent throughout."""
+    """A canvas, or a copy whose longer side has at most so many pixels; black where it is fully transparent."""
     if longest_side_px is None or max(canvas.size) <= longest_side_px:
         return canvas
     size = shrunk_size(canvas.photo_size, longest_side_px)
@@ -59,14 +59,14 @@ def shrunk(canvas: Canvas, longest_side_px: int | None) -> Canvas:
         return Canvas(resize_area(canvas.linear, size), None, canvas.photo_size, black=canvas.black)
     share = np.clip(np.nan_to_num(canvas.alpha), 0, 1)
     alpha = resize_area(share, size)
-    # A cut-out's hidden colours must not mix into those of its edge.
+    # Weighted by alpha, so that the colours of transparent pixels don't mix into those of the edge.
     colour = resize_area(canvas.linear * share[..., None], size) / np.maximum(alpha, _LEAST_ALPHA)[..., None]
     return Canvas(colour, alpha, canvas.photo_size, black=canvas.black)
 
 
 @dataclass(frozen=True, eq=False)
 class Person:
-    """What no light changes: the matte and the person's own colour at every pixel of a canvas.
+    """The matte and the person's own colour at every pixel of a canvas or of a band of it.
 
     Attributes:
         share: (h, w) in [0, 1], the matte (alpha).
@@ -99,7 +99,7 @@ def person_in(canvas: Canvas, matte: Matte, band: Band) -> Person:
 
 
 def _within(ends: Inside, band: Band) -> np.ndarray:
-    """Which pixels of a band, (h, w), have their middles within some rows and columns of the photo."""
+    """Which pixels of a band have their centres within some rows and columns of the photo, (h, w) bool."""
     rows = np.arange(band.top, band.bottom, band.step)
     within = [
         (middles >= span.start) & (middles < span.stop)
@@ -110,6 +110,6 @@ def _within(ends: Inside, band: Band) -> np.ndarray:
 
 
 def whole_person(canvas: Canvas, matte: Matte) -> Person:
-    """The person in all of a canvas, for a picture that is made many times."""
+    """The person in the whole canvas, for pictures that are made many times."""
     parts = list(in_order(lambda band: person_in(canvas, matte, band), bands(canvas.size, canvas.photo_size)))
     return Person(np.concatenate([p.share for p in parts]), np.concatenate([p.colour for p in parts]))

@@ -1,4 +1,4 @@
-"""A photo made ready for relighting: its face, and the view of it that the networks see."""
+"""A face in a photo and its framing: the paper's crop, and the wider view that the networks see."""
 
 from __future__ import annotations
 
@@ -22,16 +22,20 @@ SURROUNDINGS = 1.7
 """The networks' view is up to this many times the paper's crop: hair, neck and shoulders change with the light too."""
 
 _TURNED_FROM_DEG = 10.0
-"""A head that leans by less is seen in an upright view, as the networks saw many."""
+"""A head that leans by less keeps an upright view, since the networks were trained on such heads."""
 
 _FINER_FROM_DEG = 3.0
+"""A view that is rotated already is corrected from this angle on."""
 
 _LARGEST_BOX = 4
-"""In lengths of the photo: what lies outside it is made up of its border, and takes memory."""
+"""Longest side of a box in longer sides of the photo; what lies outside the photo only repeats its border, and takes
+memory."""
 
 _LOOKS = 3
+"""Views in which a face is located, each nearer than the one before."""
 
 _LOOKED_AT_PX = 128
+"""Side of the copy in which it is decided whether a face is grey."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,11 +44,11 @@ class Portrait:
 
     Attributes:
         photo: the whole photo.
-        found: where the face finder saw the face.
-        face: the face's box, refined by the parsing map once that is known.
+        found: the box of the face finder.
+        face: the face's box, refined by the parsing once that is known.
         crop: the paper's square around the face.
         view: the wider square that the networks see.
-        exposure: what they see of it is the photo times this, see `per_photo.exposing`.
+        exposure: the gain at which they see it, see `per_photo.exposing`.
     """
 
     photo: Photo
@@ -56,9 +60,9 @@ class Portrait:
 
     @cached_property
     def monochrome(self) -> bool:
-        """Whether the face has no colour of its own: that of a black-and-white or toned photo, or one that is grey.
+        """Whether the face has no colour and gets none: in a black-and-white or toned photo, or if the face is grey.
 
-        Grey faces stay so in photos that have colours elsewhere: a stamped date, a mark, a page or buttons around.
+        A grey face may be in a photo with colours elsewhere, such as a stamped date, a watermark or a coloured page.
         """
         return self.photo.monochrome or self._is_grey()
 
@@ -68,10 +72,15 @@ class Portrait:
 
 
 def located(photo: Photo, view: Crop, parsed: Callable[[Crop], np.ndarray]) -> FaceBox | None:
-    """Where the parsing sees a face in a view, looked at again from as near as a face should be.
+    """Find a face in a view by its parsing, and again in a view that is framed around what was found.
 
     Args:
-        parsed: gives the parsing of a view, (classes, S, S) probabilities.
+        photo: to search.
+        view: of the photo.
+        parsed: returns the parsing of a view, (classes, S, S) probabilities.
+
+    Returns:
+        None if there is none in the first view.
     """
     place = None
     for _ in range(_LOOKS):
@@ -83,7 +92,7 @@ def located(photo: Photo, view: Crop, parsed: Callable[[Crop], np.ndarray]) -> F
 
 
 def frame(photo: Photo, found: FaceBox) -> Portrait:
-    """A first framing, from the finder's box alone."""
+    """The first framing, from the finder's box alone."""
     crop = crop_for_face(found)
     return Portrait(photo, found, found, crop, _view_around(crop, photo), exposure_of_face(photo, crop))
 
@@ -106,11 +115,12 @@ def checked_boxes(photo: Photo, boxes: Sequence[FaceBox]) -> Sequence[FaceBox]:
 
 
 def refine(portrait: Portrait, parsing: np.ndarray) -> Portrait:
-    """The framing with the face's box as the parsing map of the view has it (paper, section 3.2).
+    """The framing from the face's box in the parsing of the view (paper, section 3.2).
 
-    A parsing map that disagrees wildly with the finder is not believed.
+    If that differs too much from the finder's box, the portrait is returned unchanged.
 
     Args:
+        portrait: so far.
         parsing: (classes, S, S) probabilities, of the view.
     """
     box = box_from_parsing(parsing, portrait.view)
@@ -121,10 +131,14 @@ def refine(portrait: Portrait, parsing: np.ndarray) -> Portrait:
 
 
 def straightened(portrait: Portrait, labels: np.ndarray) -> Portrait | None:
-    """The first framing again, turned by how far the head leans more than the finder saw; None where it hardly does.
+    """The first framing, rotated by the angle at which the head still leans in the view.
 
     Args:
+        portrait: so far.
         labels: (S, S) parsing labels of the view.
+
+    Returns:
+        None if the angle is small.
     """
     roll_deg = remaining_roll(labels)
     if abs(roll_deg) < (_TURNED_FROM_DEG if portrait.found.roll_deg == 0 else _FINER_FROM_DEG):
@@ -133,10 +147,12 @@ def straightened(portrait: Portrait, labels: np.ndarray) -> Portrait | None:
 
 
 def framed(photo: Photo, box: FaceBox, parsed: Callable[[Crop], np.ndarray]) -> Portrait:
-    """A face framed by its parsing map, upright as far as that says how it leans.
+    """A face framed by its parsing, and rotated upright if the parsing shows that it leans.
 
     Args:
-        parsed: gives the parsing of a view, (classes, S, S) probabilities.
+        photo: of the face.
+        box: of the finder.
+        parsed: returns the parsing of a view, (classes, S, S) probabilities.
     """
     portrait = frame(photo, box)
     portrait = straightened(portrait, parsed(portrait.view).argmax(0)) or portrait
@@ -144,9 +160,10 @@ def framed(photo: Photo, box: FaceBox, parsed: Callable[[Crop], np.ndarray]) -> 
 
 
 def _view_around(crop: Crop, photo: Photo) -> Crop:
-    """The wider square, moved and shrunk to stay inside the photo and its frame as far as the crop itself allows.
+    """The networks' view around a crop, shifted and shrunk to lie within the photo and its frame as far as possible.
 
-    Continued border pixels are streaks that no network has seen, so as few as possible are shown to it.
+    Outside, border pixels are repeated as streaks, which the networks were not trained on. The view is at least as
+    large as the crop.
     """
     height, width = picture_size(photo)
     side = float(round(max(min(crop.side * SURROUNDINGS, height, width), crop.side, 1)))
@@ -159,12 +176,14 @@ def _view_around(crop: Crop, photo: Photo) -> Crop:
 
 
 def _kept_inside(start: float, side: float, length: int) -> float:
+    """The start of a window on whole pixels, shifted to lie within a length, or centred on it if it is longer."""
     if side >= length:
         return float(round((length - side) / 2))
     return float(round(min(max(start, 0), length - side)))
 
 
 def _plausible(box: FaceBox, found: FaceBox) -> bool:
+    """Whether a box from the parsing covers most of the finder's box and has about its size."""
     width = min(box.x1, found.x1) - max(box.x0, found.x0)
     height = min(box.y1, found.y1) - max(box.y0, found.y0)
     if width <= 0 or height <= 0:

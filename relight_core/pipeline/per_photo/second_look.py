@@ -1,9 +1,9 @@
-"""A second look at skin, in the photo with most of its shading taken out.
+"""De-lighting of a view, with a second look at skin after most of the shading has been removed from the photo.
 
-De-lighting leaves some fraction of a photo's shading in the albedo. So the photo is brought most of the way to what it
-would be in an even light, by what the first look found, and de-lit again: the same fraction of much less is left. On
-held-out heads that takes away a twelfth of the error of a face's albedo, its level aside. Hair and cloth, which may
-have any colour, gain nothing and are left as they are.
+De-lighting leaves a fraction of a photo's shading in the albedo. So the first look's result is used to bring the photo
+most of the way to how it would look in an even light, and this is de-lit again: the same fraction of much less shading
+is left. On held-out heads this removes a twelfth of the error of a face's albedo, apart from its level. Hair and cloth,
+which may have any colour, gain nothing and keep the first look's albedo.
 """
 
 from __future__ import annotations
@@ -27,15 +27,23 @@ from relight_core.pipeline.per_photo.white_hair import with_white_hair
 from relight_core.pipeline.quality import Tier
 
 _AHEAD = (0.0, 0.2, 0.65)
-"""The even light is brightest from ahead and above, and fades linearly to the back: a normal n receives 1 + n . a."""
+"""The almost even light gives a normal n an irradiance of 1 + n . a: most from the front and above, least from
+behind."""
 _MOST_OF_THE_WAY = 0.7
+"""Share of the way to that light, in logs."""
 _STRONGEST_GAIN = 10.0
+"""Limit of the gain to that light, and of its inverse."""
 _DARKEST_PHOTO = 4e-3
+"""Smallest divisor."""
 
 
 @torch.inference_mode()
 def take_apart(bundle: NetworkBundle, photo_view: np.ndarray, tier: Tier, device: str) -> stages.Surface:
-    """De-light a view (S, S, 3), linear, as a tier of quality does: once, or with a second look."""
+    """De-light a view (S, S, 3), linear, at a tier of quality.
+
+    As the tier says, shadows from outside are removed first, and skin gets a second look. Hair that the parsing takes
+    for scalp is corrected before that.
+    """
     seen = resize_area(photo_view, (tier.delight_size, tier.delight_size))
     how = {"mirrored": tier.mirrored, "precision": tier.precision}
     found = stages.delight(bundle, seen, tier.network_size, device, **how)
@@ -52,7 +60,7 @@ def take_apart(bundle: NetworkBundle, photo_view: np.ndarray, tier: Tier, device
 
 
 def evenly_lit(photo: np.ndarray, found: stages.Surface) -> np.ndarray:
-    """A photo (D, D, 3), linear, with the person most of the way to an even light; as large, in [0, 1]."""
+    """A photo (D, D, 3), linear in [0, 1], with the person's lighting most of the way to an even one."""
     parts = {"albedo": found.albedo, "normal": found.normal, "photo": found.photo, "person": found.person}
     return as_image(evened_out(as_tensor(photo, found.normal.device), **parts))
 
@@ -60,7 +68,7 @@ def evenly_lit(photo: np.ndarray, found: stages.Surface) -> np.ndarray:
 def evened_out(
     views: torch.Tensor, *, albedo: torch.Tensor, normal: torch.Tensor, photo: torch.Tensor, person: torch.Tensor
 ) -> torch.Tensor:
-    """`evenly_lit` of views (B, 3, D, D) of whose surfaces these parts are known, (B, C, S, S) each."""
+    """`evenly_lit` for a batch of views (B, 3, D, D), given these parts of their surfaces, (B, C, S, S) each."""
     ahead = constant(_AHEAD, normal.device, torch.float32)
     received = 1 + (normal * ahead[:, None, None]).sum(1, keepdim=True)
     wanted = albedo * received / (1 + ahead.norm())
@@ -70,7 +78,7 @@ def evened_out(
 
 
 def with_skin_of(found: stages.Surface, again: stages.Surface) -> stages.Surface:
-    """A surface whose skin has the albedo of a second look, at its own mean level: of that, the first knows more."""
+    """A surface with its skin's albedo from a second look, at the mean level of the first, which knows that better."""
     skin = skin_share(found.parsing)
     first, second = (exact_logs(surface.albedo) for surface in (found, again))
     change = second - first

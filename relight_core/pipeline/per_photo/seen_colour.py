@@ -1,10 +1,9 @@
-"""What is not skin has the colours that photo and light together give it.
+"""Albedo colours of everything but skin, from the photo divided by the irradiance.
 
-Skin is of few colours, and de-lighting knows them. Cloth, hats, hair and lips may be of any, and what it says of them
-is a guess; but once the light is explained, photo over irradiance says more: on held-out heads it explains a half to
-two thirds of what the albedo's colours are off by. It says less about how bright they are, since shadows that the
-relief doesn't know are part of it; only hats, whose shape is as much of a guess, and brows, of which the networks
-see a few pixels, gain by it.
+Skin has few colours, and de-lighting knows them. Cloth, hats, hair and lips may have any, so de-lighting can only
+guess. Once the light is known, photo over irradiance is better: on held-out heads it explains a half to two thirds of
+the error of the albedo's colours. It is worse for brightness, since it contains shadows that the relief doesn't know.
+Only hats, whose shape is a guess too, and brows, of which the networks see only a few pixels, gain by it.
 """
 
 from __future__ import annotations
@@ -25,14 +24,16 @@ from relight_core.pipeline.stages import Surface
 
 _OF_ANY_COLOUR = ("hair", "hat", "cloth", "lips")
 _HATS, _BROWS = 0.5, 0.8
-"""How much of a log ratio of brightness is the surface's own, of brows beside the skin around; the rest is shading."""
+"""Share of the log ratio of brightness that belongs to the albedo, for brows relative to the skin around; the rest is
+shading."""
 
 
 def with_seen_colours(surface: Surface, irradiance: torch.Tensor, gloss: torch.Tensor) -> Surface:
-    """The surface with the albedo of all that is not skin brought to the colours in which it is seen.
+    """The surface with the albedo of everything but skin changed to the colours that explain the photo.
 
     Args:
-        irradiance, gloss: (1, 3, S, S) each, the former over pi, what of the photo's light gets there, at any level.
+        surface: of the photo.
+        irradiance, gloss: (1, 3, S, S) each, the former over pi, from the photo's light at any level, with shadows.
     """
     model = surface.albedo * irradiance + gloss
     level = level_over_person(surface, model)
@@ -51,17 +52,17 @@ def with_seen_colours(surface: Surface, irradiance: torch.Tensor, gloss: torch.T
 
 
 def not_as_seen(surface: Surface, tint: torch.Tensor) -> torch.Tensor:
-    """The part of a tint (1, 3, S, S), of mean 0, that black hair and cloth, lips and teeth have not in the photo.
+    """The part of a tint (1, 3, S, S), of mean 0, that black hair and cloth, lips and teeth don't have in the photo.
 
-    It is the light's, and stays with the photo's own.
+    It comes from an error of the light, so it is kept only under the photo's own light.
     """
     of_light = off_black(surface, tint)
     return of_light + too_blue(surface, tint - of_light)
 
 
 def _tinted(albedo: torch.Tensor, tint: torch.Tensor) -> torch.Tensor:
-    """An albedo (1, 3, S, S) of other colours, as bright as it was.
+    """An albedo (1, 3, S, S) changed by log ratios of mean 0, at its former brightness.
 
-    A tint of mean 0 alone would leave the product of the channels, and make of a dull red a bright one.
+    Log ratios of mean 0 alone would only keep the product of the channels, and turn a dull red into a bright one.
     """
     return as_bright_as(albedo * torch.exp(tint), albedo)

@@ -1,10 +1,10 @@
-"""The colours of skin, and those that only other lights can have given it.
+"""Colours in the albedo of skin that must come from other lights, and their removal.
 
-Skin has one colour, but for flush and tan. Where a large part of it is purple, there was a purple lamp that the one
-estimated light doesn't have. What the estimated light hardly reaches has the colour of others altogether: of a wall, a
-screen, the sky. And where a photo is nearly black its colours are noise.
+A person's skin has one colour, apart from flush and tan. If a large part of it is purple, there was a purple lamp that
+the estimated light doesn't contain. What the estimated light hardly reaches has the colour of other lights: of a wall,
+a screen, the sky. And where a photo is nearly black, its colours are noise.
 
-Paint is no light: it lies in the light, among plain skin, and ends where its edge is, not little by little.
+Paint is kept. It differs from light in that it is surrounded by plain skin, lies in the light, and has sharp edges.
 """
 
 from __future__ import annotations
@@ -23,36 +23,41 @@ from relight_core.imaging.tensor_means import local_means, middle_values
 from relight_core.pipeline.stages import Surface
 
 _COMMON = 0.15
-"""The most by which flush and tan move the log of a ratio of two channels."""
+"""Flush and tan change the log ratio of two channels by at most this."""
 _BLUE, _BLUE_OF_PALE = 0.05, 1.4
-"""How much bluer than most of it skin may be by itself, in logs of blue to green: the first, plus the second times what
-it is less red. Less blood and melanin make skin bluer only as they make it less red, and more so, since melanin absorbs
-less toward red. Skin that is bluer still is lit so."""
+"""How much bluer than the rest skin may be by itself, in log ratios of blue to green: the first, plus the second times
+how much less red it is. Less blood and melanin make skin bluer only together with less red, and blue changes more,
+since melanin absorbs less toward red. Skin that is still bluer is lit by blue light."""
 NO_COLOUR = (0.025, 0.008)
-"""Luminances of a photo, linear, below which its colours say less, and nothing: 8-bit codes 42 and 22. There a few
-codes of JPEG's chroma are a colour of their own."""
+"""Ramp of a photo's linear luminance, 8-bit codes 42 to 22, over which its colours become meaningless: there, a few
+codes of JPEG's chroma look like a colour."""
 _DEEP_SHADOW = (0.7, 0.2)
-"""Shares of most of the skin's luminance below which skin may lie, and surely lies, in deep shadow, where other lights
+"""Ramp of luminance, as a share of the skin's median, over which skin comes to lie in deep shadow, where other lights
 are brighter than the estimated one."""
 _PAINT, _PLAIN = 0.5, 0.25
-"""Log ratios to green: paint is further off most of the skin than the first, plain skin less than the second."""
+"""Distances from the skin's median in log ratios to green: paint exceeds the first, plain skin stays below the
+second."""
 _RIM_SHARE, _BESIDE_SHARE = 1 / 128, 2 / 128
-"""Widths in sides of the view: of a patch of paint's mixed edge, and of the ring around that which is looked at."""
+"""Widths as shares of the view's side: of the mixed edge of a patch of paint, and of the ring around it that is
+examined."""
 _FEWEST_OF_PAINT = 12
 """Pixels of the smallest patch."""
 _MOSTLY, _NOT_AT_A_SILHOUETTE = 0.6, 0.75
-"""Shares of the ring around a patch that must be plain, of what is skin in it, and that must be skin."""
+"""In the ring around a patch, the share of skin that must be plain, and the share of the ring that must be skin."""
 
 
 def in_one_colour(surface: Surface, skin: torch.Tensor) -> Surface:
-    """The surface without the colours that other lights gave to its skin.
+    """The surface without the colours that other lights gave to its skin's albedo.
 
-    Colour is measured as log ratios of channels, smoothed over some hundredths of the view, so that moles, beards
-    and make-up keep theirs; in deep shadow, where each of them is of that light, pixel by pixel. What lies further
-    from the skin's median than flush and tan explain is taken back to that distance, no pixel of it past the median,
-    and what the photo is too dark to tell to the median; luminance stays, and so does paint.
+    - Colour is measured as log ratios of channels, relative to the skin's median. It is averaged over some hundredths
+      of the view, so that moles, beards and make-up keep theirs; in deep shadow, where all of them are in that other
+      light, it is measured pixel by pixel.
+    - What deviates by more than flush and tan explain is reduced to that deviation, and no pixel passes the median.
+    - Where the photo is too dark to have a colour, skin gets that of the median.
+    - Luminance and paint are kept.
 
     Args:
+        surface: of the photo.
         skin: (1, 1, S, S) probability of bare skin.
     """
     known = skin > SURELY
@@ -63,7 +68,7 @@ def in_one_colour(surface: Surface, skin: torch.Tensor) -> Surface:
     middle = middle_values(local_means(ratios, skin), known[0, 0])
     off = ratios - middle
     skin = skin * ~painted(off, surface.photo, skin)
-    # Beside a red collar that the parsing takes for a neck, skin has its own colour and would turn green.
+    # Limited to each pixel's own deviation. Otherwise skin beside a red collar that is parsed as neck would turn green.
     around = torch.minimum(_unnatural(local_means(ratios, skin) - middle), off.clamp_min(0)).maximum(off.clamp_max(0))
     excess = torch.lerp(around, _unnatural(off), deep_shadow(surface.photo, skin))
     excess = torch.lerp(excess, off, ramp(grey(surface.photo), *NO_COLOUR))
@@ -72,7 +77,7 @@ def in_one_colour(surface: Surface, skin: torch.Tensor) -> Surface:
 
 
 def deep_shadow(photo: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
-    """(1, 1, S, S) how surely a pixel of skin is darker than most of it by more than its own colour, [0, 1].
+    """Certainty that a pixel of skin lies in deep shadow, (1, 1, S, S) in [0, 1].
 
     Args:
         photo: (1, 3, S, S) linear.
@@ -85,10 +90,10 @@ def deep_shadow(photo: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
 
 
 def painted(off: torch.Tensor, photo: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
-    """(1, 1, S, S) bool, where skin is painted.
+    """Where skin is painted, (1, 1, S, S) bool.
 
     Args:
-        off: (1, 3, S, S) log ratios to green beside the skin's median.
+        off: (1, 3, S, S) log ratios to green, minus the skin's median.
         photo: (1, 3, S, S) linear.
         skin: (1, 1, S, S) probability of bare skin.
     """
@@ -109,12 +114,13 @@ def painted(off: torch.Tensor, photo: torch.Tensor, skin: torch.Tensor) -> torch
 
 
 def _grown(patch: np.ndarray, share: float) -> np.ndarray:
+    """A patch (S, S), bool, dilated by a share of the view's side."""
     reach_px = max(round(share * len(patch)), 1)
     return cv2.dilate(patch.astype(np.uint8), np.ones((2 * reach_px + 1,) * 2, np.uint8)).astype(bool)
 
 
 def _unnatural(off: torch.Tensor) -> torch.Tensor:
-    """The part of log ratios to green (1, 3, S, S) beside the skin's median that skin doesn't have by itself."""
+    """The part of log ratios to green (1, 3, S, S), relative to the skin's median, that skin can't have by itself."""
     natural = off.clamp(-_COMMON, _COMMON)
     paler = (-natural[:, :1]).clamp_min(0)
     bluest = (_BLUE + _BLUE_OF_PALE * paler).clamp_max(_COMMON)

@@ -1,4 +1,4 @@
-"""The light a photo was taken under: the network's guess, turned and coloured until it explains the photo."""
+"""The light a photo was taken under: the network's estimate, fitted until it explains the photo."""
 
 from __future__ import annotations
 
@@ -17,30 +17,38 @@ from relight_core.pipeline.per_photo.saturation import log_colour, middle_colour
 from relight_core.pipeline.stages import Reflector, Surface, reflect
 
 _CLIPPED, _NEARLY_CLIPPED = 0.9, 0.97
+"""Values of a channel from which on a pixel isn't used: in the fit, and otherwise."""
 _DARKEST_ALBEDO = 0.03
+"""Smallest divisor."""
 _LEAST_MATTE = 0.4
-"""Share of a pixel that is not gloss, at the least: where the model has more gloss than that, it is wrong."""
+"""At least this share of a pixel is diffuse: where the model has more gloss, it is wrong."""
 _BY_CAMERA, _MOST_BY_CAMERA = 0.9, 0.45
-"""How much of skin that is too saturated is the camera's doing and not the light's. Held-out heads, whose lights are
-of all colours, ask for none of it; photographs, which cameras balance and develop, would turn grey in a white light."""
+"""Share of the camera's saturation that is kept out of the light, and the largest saturation that is attributed to a
+camera. Held-out heads, whose lights have all colours, don't need this; but photographs, which cameras balance and
+develop, would turn grey in a white light."""
 _LEAST_BY_CAMERA, _SURELY_LIT = 0.2, 1.0
-"""So much is the camera's in a light that makes skin twice as saturated: candles and sodium lamps, left unbalanced."""
+"""With a saturation of the second number, twice that of the skin, only the first is attributed to the camera: candles
+and sodium lamps without white balance."""
 
 
 @torch.inference_mode()
 def explain_source_light(surface: Surface, reflector: Reflector, relief: ReliefTransport) -> torch.Tensor:
     """The light the photo was taken under, (1, 16, 32, 3), at the level that gives the photo its brightness.
 
-    The network's estimate is the first guess; least squares over the face then turn and colour it until albedo,
-    normals and relief look as they do in the photo (see `lighting.inverse`). What the guess mirrors is taken off the
-    photo first: gloss has the light's colour, and skin below it would pass for skin in a bluer light.
+    The network's estimate is the first guess, which is fitted until albedo, normals and relief look as in the photo
+    (see `lighting.inverse`). Before the fit:
 
-    A cast over all of the skin that is more than a camera's doing is one of the whole guess: what little of the face
-    sees or mirrors would else stay white in a tungsten lamp's light, and a nose be taken for yellower than its cheeks.
+    - A face that is painted all over gets its paint as albedo (see `face_paint`).
+    - The guess's gloss is subtracted from the photo. It has the light's colour, so skin below it would look as if it
+      were in a bluer light.
+    - If all of the skin has a colour cast that is more than a camera's, the whole guess gets it. Otherwise texels that
+      little of the face sees would stay white in a tungsten lamp's light, and a nose would be taken to be yellower than
+      the cheeks beside it.
 
-    A face that is painted all over (see `face_paint`) has its paint's colour, whatever its albedo is taken for.
+    After it, saturation that is attributed to the camera is removed from the light.
 
     Args:
+        surface: of the photo.
         reflector: of the same surface.
         relief: transport of its relief.
     """
@@ -65,15 +73,16 @@ def explain_source_light(surface: Surface, reflector: Reflector, relief: ReliefT
 
 
 def _without_gloss(photo: torch.Tensor, gloss: torch.Tensor, hidden: torch.Tensor) -> torch.Tensor:
-    """The photo (1, 3, S, S) without gloss that lies over it where the light, (1, 1, R, R), is not hidden."""
+    """The photo (1, 3, S, S) minus its gloss (1, 3, S, S), of which a share `hidden` (1, 1, R, R) is occluded."""
     hidden = enlarge(hidden, photo.shape[-2:]).to(photo.device)
     return torch.maximum(photo - gloss * (1 - hidden), _LEAST_MATTE * photo)
 
 
 def _cast(surface: Surface, reflected: torch.Tensor) -> torch.Tensor:
-    """The colour (3,), of luminance 1, that all of the skin has beside the guess, where it is more than a camera's.
+    """The colour cast of all the skin relative to the guess, without the camera's part, (3,) of luminance 1.
 
     Args:
+        surface: of the photo.
         reflected: (1, 6, S, S) irradiance over pi and gloss of the guess.
     """
     known = seen_of_person(surface) & (skin_share(surface.parsing) > SURELY)
@@ -89,7 +98,7 @@ def _cast(surface: Surface, reflected: torch.Tensor) -> torch.Tensor:
 
 
 def _left_to_light(surface: Surface, guess: torch.Tensor, explained: torch.Tensor, by_camera: float) -> torch.Tensor:
-    """The explained light (T, 3), of a guess (T, 3), without the colours that are the camera's, or a share of them."""
+    """A fitted light (T, 3) without a share, `by_camera`, of the change from the guess (T, 3) that is the camera's."""
     skin = middle_colour(surface.albedo, skin_share(surface.parsing))
     if skin is None:
         return explained
@@ -104,14 +113,15 @@ def _left_to_light(surface: Surface, guess: torch.Tensor, explained: torch.Tenso
 
 
 def seen_of_person(surface: Surface) -> torch.Tensor:
-    """(1, 1, S, S) bool, where the photo shows the person and isn't clipped."""
+    """Where the photo shows the person unclipped, (1, 1, S, S) bool."""
     return (surface.person > 0.5) & (surface.photo.amax(1, keepdim=True) < _NEARLY_CLIPPED)
 
 
 def level_over_person(surface: Surface, model: torch.Tensor) -> float | None:
-    """The level at which a model (1, 3, S, S) is as bright as the photo over all of the person.
+    """The factor at which a model (1, 3, S, S) is on average as bright as the photo over the person.
 
-    None where nothing can be said.
+    Returns:
+        None if too little of the person can be compared.
     """
     seen = seen_of_person(surface)
     lit = float(grey(model)[seen].sum())
@@ -123,8 +133,15 @@ def level_over_person(surface: Surface, model: torch.Tensor) -> float | None:
 def exposure_of_photo(surface: Surface, reflected: torch.Tensor) -> float:
     """The level at which a light gives the photo its brightness.
 
-    The median ratio over the person of the photo to what the surface reflects of the light, (1, 6, S, S), where the
-    photo is neither black nor clipped; 1 where nothing can be said.
+    It is the median ratio, over the person, of the photo to what the surface reflects of the light, where the photo is
+    neither black nor clipped.
+
+    Args:
+        surface: of the photo.
+        reflected: (1, 6, S, S) irradiance over pi and gloss.
+
+    Returns:
+        1 if too little of the person can be compared.
     """
     lit = grey(surface.albedo * reflected[:, :3] + reflected[:, 3:])
     seen = grey(surface.photo)

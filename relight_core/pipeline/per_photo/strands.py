@@ -1,9 +1,12 @@
-"""Strands of hair and what shows between them, told apart by the colours on either side of a head's outline.
+"""Strands of hair and the gaps between them, separated by the colours on both sides of a head's outline.
 
-To the networks hair is solid, and in the small copy in which the matte is made a strand is less than a pixel: a bright
-wall between two strands would take on every light as a patch beside the cheek, and strands that stand off would take
-on none. About the outline of hair that is plainly darker than what lies behind it, each pixel's own colour says how
+To the networks hair is solid, and in the small copy in which the matte is made a strand is less than a pixel. So a
+bright wall between two strands would be relit as a patch beside the cheek, and strands that stand off would not be
+relit. Along the outline of hair that is clearly darker than what lies behind it, each pixel's colour determines how
 much of it is hair.
+
+Lengths are in sides of the head's square, `Hair.head_px`, unless stated otherwise. Colours are displayed values, and a
+pixel is described by its position on the line from the colour behind to the hair's.
 """
 
 from __future__ import annotations
@@ -22,44 +25,49 @@ from relight_core.imaging.ramp import ramp
 from relight_core.imaging.resampling import resize_area, resize_smooth
 
 _ABOUT, _ABOUT_PX = 0.045, 8.0
-"""How far around a place its sides' colours are learnt, in sides of the head's square and in pixels of a small copy."""
+"""Standard deviation of the blur over which colours are learnt, and its size in pixels of the small copy."""
 _SURELY_WITHIN = 0.014
-"""How far within and outside of the outline both colours are learnt, in sides of the head's square."""
+"""Colours are learnt so far inside and outside of the outline."""
 _LEAST_HEAD_PX = 64
-"""Side of the smallest head's square, in pixels of the guide, whose strands are looked for."""
+"""Smallest side of a head's square, in pixels of the guide, for which strands are searched."""
 _ROUNDS = 2
-"""How often the hair's colour is learnt anew without the pixels that look like what lies behind."""
+"""Rounds in which the hair's colour is learnt again without the pixels that look like what lies behind."""
 
 _SPREAD_BEHIND, _SPREAD_OF_HAIR, _CODES = 1.0, 2.5, 0.02
-"""Standard deviations of both colours, and displayed values, within which a pixel is still all of one side."""
+"""A pixel is wholly behind, or wholly hair, within so many standard deviations of that side's colour, plus the last
+number."""
 _ALL_BEHIND, _ALL_HAIR = 0.4, 0.5
-"""Limits of that, as shares of the way from what lies behind to the hair: a pixel beyond the first has some hair in it,
-however uneven the surroundings, and one before the second something else. In linear light half and half is a third of
-that way where dark hair stands before something bright."""
+"""Limits of that, as shares of the way from behind to hair: a pixel beyond the first has some hair in it, however
+uneven the surroundings, and a pixel before the second has something else in it. Where dark hair is in front of
+something bright, half and half in linear light is a third of the way."""
 
 _DISTINCT, _PLAIN = (2.0, 3.5), (0.2, 0.35)
-"""Distances of both colours, in their standard deviations and in displayed values, from which on they tell something,
-and all."""
+"""Ramps of the distance between both colours over which it becomes sufficient: in standard deviations, and absolute."""
 _SEEN = (0.02, 0.1)
-"""Shares of the surroundings in which a side's colour was learnt, from which on it tells something, and all."""
+"""Ramp of the share of the surroundings from which a side's colour was learnt, over which it becomes sufficient."""
 _DARKER = 0.15
-"""By how much darker hair than what lies behind tells all: bright hair in shadow looks like a dark wall."""
+"""From this difference in brightness on, hair is clearly darker than what lies behind. Otherwise bright hair in shadow
+could be taken for a dark wall."""
 _OTHER_COLOUR = (0.1, 0.3)
-"""How far a colour may lie off the line between both, in their distance, and from where on it is a third one's: the
-glint of a lamp on black hair is no orange wall, nor a grey one that is darker."""
+"""Ramp of a colour's distance from the line between both, as a share of their distance, over which it becomes a third
+colour. A lamp's glint on black hair doesn't look like an orange wall, nor does a wall that is grey and darker."""
 
 _DEEP, _FAR_OUT = (0.036, 0.06), (0.024, 0.048)
-"""How far inside of the outline gaps, and outside strands, are looked for, in sides of the head's square."""
+"""Ramps of the distance inside the outline within which gaps are searched, and of that outside within which strands
+are.
+"""
 _GAP, _SURELY_BETWEEN = 0.7, 0.95
-"""A gap has less hair than the first, and a colour that lies as surely as the second between both sides'."""
+"""A gap has a share of hair below the first, and a colour whose certainty of lying between both sides' is above the
+second."""
 _BY_A_GAP = (0.006, 0.014)
-"""How far from a gap colours may take hair away, in sides of the square: in full, and at all. A gap shows in the small
-copy too and leads out of the hair, which glints and grey hairs do not."""
+"""Ramp of the distance from a gap over which colours may no longer reduce hair. A gap is visible in the small copy too,
+and connected to the outside, unlike glints and grey hairs."""
 _BESIDE, _BRIGHT = 0.025, 0.75
-"""A gap need not lead out of the hair if it is no farther from the outline than the first, in sides of the square, and
-what lies behind has at least the second as its displayed value, which hardly a glint has."""
+"""A gap needn't be connected to the outside if it is at most this far from the outline, and if what lies behind has at
+least the second as its displayed value, which hardly any glint has."""
 _HAIR, _OTHERS = (0.3, 0.6), (0.2, 0.5)
-"""Probabilities of hair from which on, and of other parts of a person up to which, colours are heard."""
+"""Ramps of the probability of hair over which colours begin to count, and of other parts of a person over which they
+cease to."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +75,7 @@ class Hair:
     """Where the parsing sees the hair of a head.
 
     Attributes:
-        hair, others: (S, S) float32 in [0, 1], probabilities of hair, and of what else belongs to a person.
+        hair, others: (S, S) float32 in [0, 1], probabilities of hair and of other parts of a person.
         view: where in the photo they lie.
         head_px: side of the paper's square around the face (section 3.2), in pixels of the photo.
     """
@@ -80,18 +88,18 @@ class Hair:
 
 @dataclass(frozen=True, eq=False)
 class Strands:
-    """A matte about the outlines of hair.
+    """A matte along the outlines of hair.
 
     Attributes:
-        share: (h, w) in [0, 1], how much of a pixel is hair.
-        trust: (h, w) in [0, 1], how far that is known.
+        share: (h, w) in [0, 1], the share of each pixel that is hair.
+        trust: (h, w) in [0, 1], the weight of that.
     """
 
     share: np.ndarray
     trust: np.ndarray
 
     def put_into(self, share: np.ndarray, kept: np.ndarray | None = None) -> np.ndarray:
-        """A matte (h, w) with the strands in it; `kept` is where, (h, w) in [0, 1], it stays as it is."""
+        """A matte (h, w) with the strands inserted, except where `kept`, (h, w) in [0, 1], is 1."""
         trust = self.trust if kept is None else self.trust * (1 - kept)
         return share + trust * (self.share - share)
 
@@ -103,13 +111,17 @@ def strands_of(
     photo_size: tuple[int, int],
     inside: Inside | None = None,
 ) -> Strands | None:
-    """The strands about people's hair; None where no hair is plainly darker than what lies behind it.
+    """The strands along the outlines of people's hair.
 
     Args:
         guide: (h, w, 3) the photo or a copy of it as displayed, sRGB, [0, 1].
-        share: (h, w) in [0, 1], the matte as far as it is known.
+        share: (h, w) in [0, 1], the matte so far.
+        heads: of the people.
         photo_size: (height, width).
-        inside: what of it lies within a frame; None is all of it.
+        inside: the part of the guide within a frame; None for all of it.
+
+    Returns:
+        None if no hair is clearly darker than what lies behind it.
     """
     told, trust = share.copy(), np.zeros_like(share)
     for head in heads:
@@ -126,21 +138,21 @@ def strands_of(
 
 
 def _both(window: Inside, inside: Inside | None) -> Inside:
-    """The rows and columns that two windows share, none where they don't meet."""
+    """The intersection of two windows, empty if they don't overlap."""
     parts = zip(window, window if inside is None else inside, strict=True)
     ends = [(max(one.start, other.start), min(one.stop, other.stop)) for one, other in parts]
     return tuple(slice(start, max(start, stop)) for start, stop in ends)
 
 
 def _ending(mask: np.ndarray) -> np.ndarray:
-    """A mask (S, S) that goes on as nothing beyond its view."""
+    """A mask (S, S) with a border of 0, which resampling then repeats outside the view."""
     return np.pad(mask[1:-1, 1:-1], 1)
 
 
 def _told_apart(
     guide: np.ndarray, share: np.ndarray, hair: np.ndarray, others: np.ndarray, head_px: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """`Strands.share` and `Strands.trust` of one head; arguments (h, w) or (h, w, 3), about it."""
+    """`Strands.share` and `Strands.trust` of one head; the arguments are parts, (h, w) or (h, w, 3), around it."""
     scale = min(_ABOUT_PX / (_ABOUT * head_px), 1.0)
     few = max(1, round(share.shape[0] * scale)), max(1, round(share.shape[1] * scale))
     small = [resize_area(image, few) for image in (guide, share, hair, others)]
@@ -161,17 +173,14 @@ def _told_apart(
 
 @dataclass(frozen=True, eq=False)
 class _Sides:
-    """Colours on both sides of an outline, about each place of a small copy (k, l), in displayed values.
-
-    A pixel's position on the line from the colour behind to the hair's says how much of it is hair.
+    """The colours on both sides of an outline, around each place of a small copy (k, l).
 
     Attributes:
         behind: (k, l, 3) mean colour of what lies behind the hair.
         toward: (k, l, 3) unit vector from there to the hair's mean colour.
-        distance: (k, l) between both.
-        low, high: (k, l) positions along `toward`, up to which a pixel has no hair in it, and from which on nothing
-            else.
-        certainty: (k, l) in [0, 1] how plainly the hair is the darker one.
+        distance: (k, l) between both colours.
+        low, high: (k, l) positions along `toward` up to which a pixel contains no hair, and from which on nothing else.
+        certainty: (k, l) in [0, 1] that both colours are distinct and the hair is the darker one.
     """
 
     behind: np.ndarray
@@ -183,8 +192,10 @@ class _Sides:
 
 
 def _sides_about(guide: np.ndarray, share: np.ndarray, hair: np.ndarray, head_px: float) -> _Sides:
-    """Learn both sides' colours well within the hair and well outside; of the former, what looks like the latter is
-    left out, round by round."""
+    """Learn the hair's colour well inside the outline, and the one behind well outside.
+
+    Round by round, pixels inside that look like what lies behind are excluded.
+    """
     inner, outer = cv2.erode(share, disc(_SURELY_WITHIN * head_px)), cv2.dilate(share, disc(_SURELY_WITHIN * head_px))
     of_hair, of_behind = ramp(inner, 0.8, 1.0) * ramp(hair, 0.5, 0.9), 1 - ramp(outer, 0.0, 0.2)
     reach = _ABOUT * head_px
@@ -208,7 +219,7 @@ def _sides_about(guide: np.ndarray, share: np.ndarray, hair: np.ndarray, head_px
 def _trust(
     sides: _Sides, guide: np.ndarray, share: np.ndarray, hair: np.ndarray, others: np.ndarray, head_px: float
 ) -> np.ndarray:
-    """(k, l) in [0, 1], how far colours are believed: near the outline, and within it only by gaps."""
+    """The weight of colours, (k, l) in [0, 1]: near the outline, and inside of it only at gaps."""
     way, off = _along(guide - sides.behind, sides.toward)
     outside = share <= 0.5
     reach = 1 - ramp(distance_to(outside) / head_px, *_DEEP)
@@ -225,24 +236,29 @@ def _trust(
 
 
 def _between(way: np.ndarray, off: np.ndarray, low: np.ndarray, distance: np.ndarray) -> np.ndarray:
-    """(...) in [0, 1], 1 for colours on the line between both sides', 0 for those beside it or beyond `behind`."""
+    """Certainty in [0, 1] that a colour is a mix of both sides': 0 beside the line between them or beyond `behind`.
+
+    Args:
+        way, off: of the colour, see `_along`.
+        low, distance: as of `_Sides`.
+    """
     return 1 - ramp((off + np.maximum(-way - low, 0)) / distance, *_OTHER_COLOUR)
 
 
 def _hanging_together(outside: np.ndarray, gaps: np.ndarray) -> np.ndarray:
-    """(k, l) bool: what is outside, and those gaps that are connected to it."""
+    """The outside together with the gaps that are connected to it, (k, l) bool."""
     _, pieces = cv2.connectedComponents((outside | gaps).astype(np.uint8))
     return (pieces > 0) & np.isin(pieces, pieces[outside])
 
 
 def _along(colour: np.ndarray, toward: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How far colours (..., 3) lie along a unit vector (..., 3), and how far beside it, (...) each."""
+    """The component of colours (..., 3) along a unit vector (..., 3), and their distance from its line, (...) each."""
     way = (colour * toward).sum(-1)
     return way, np.linalg.norm(colour - way[..., None] * toward, axis=-1)
 
 
 def _mean(image: np.ndarray, weight: np.ndarray, reach_px: float) -> tuple[np.ndarray, np.ndarray]:
-    """Local means of an image (k, l) or (k, l, 3), weighted by (k, l), and of the weight itself, (k, l)."""
+    """Local means of an image (k, l) or (k, l, 3), weighted by `weight` (k, l), and of the weight itself, (k, l)."""
     weight = weight.astype(np.float32)
     seen = cv2.GaussianBlur(weight, (0, 0), reach_px)
     spread = (slice(None), slice(None), *[None] * (image.ndim - 2))

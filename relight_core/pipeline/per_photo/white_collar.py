@@ -1,8 +1,8 @@
 """White collars that de-lighting takes for a neck.
 
-Where a collar lies close, the parsing says neck and the albedo comes out pink, and blown out it would get the colour
-of the skin around it. But no neck is both brighter than the lit side of its face and of no colour, except where a
-light from behind draws a rim on it. Along the jaw that could pass for a collar, but a collar leaves the face.
+A collar that lies close to the neck is parsed as neck, and its albedo comes out pink; if it is blown out, it would get
+the colour of the skin around. But no neck is brighter than the lit side of its face and also colourless, except for the
+rim of a light from behind. Such a rim may run along the jaw, while a collar extends away from the face.
 """
 
 from __future__ import annotations
@@ -24,33 +24,35 @@ from relight_core.pipeline.per_photo.saturation import (
 )
 
 _FEWEST_MOUTH_PIXELS = 4
+"""Pixels of the mouth that are needed to know its row."""
 _BRIGHTEST_SKIN = 0.95
 """Quantile of a face's brightness that stands for its lit side."""
 _BRIGHTER = 1.3
-"""How many times as bright as that a collar surely is."""
+"""From so many times that brightness on, a pixel surely is a collar."""
 _SMALLEST_COLLAR, _SURE_COLLAR = 4, 12
-"""Bright pixels of a neck from which on they may be a collar, and are enough for one."""
+"""Ramp of the number of bright pixels in a neck over which they become enough for a collar."""
 _BRIGHT, _NECK = 0.05, (0.2, 0.4)
-"""By how much pixels must be brighter than the face's lit side, and how likely they must be neck, to count in full."""
+"""A pixel counts in full if it exceeds the brightness of the face's lit side by this share; and the ramp of its
+probability of neck over which it counts."""
 _COLOURED, _GREY = -0.6, -0.8
-"""Saturations beside a face's (see `saturation`): up from the first a pixel has a colour, down from the second none."""
+"""Ramp of saturation relative to a face's (see `saturation`) over which a pixel becomes colourless."""
 _PERHAPS_MOST, _MOST = 0.45, 0.6
-"""Shares of what is bright that are of no colour, from which on it is a collar, in part and altogether."""
+"""Ramp of the colourless share of bright pixels over which they become a collar."""
 _LIKELY = 0.3
-"""The share from which on a pixel belongs to a patch that may be a rim."""
+"""A pixel with a larger share belongs to a patch that may be a rim."""
 _ALONG_THE_JAW = 3.6 / 128
-"""Of the view: a rim lies within this of the face for the most part."""
+"""As a share of the view's side: at least half of a rim lies within this distance of the face."""
 
 
 @torch.inference_mode()
 def with_white_collar(
     photo: torch.Tensor, albedo: torch.Tensor, parsing: torch.Tensor
 ) -> tuple[torch.Tensor, torch.Tensor]:
-    """Albedo and parsing with cloth where the neck below the mouth is brighter than the face and of no colour.
+    """Albedo and parsing with cloth where the neck below the mouth is brighter than the face and colourless.
 
-    What becomes cloth keeps its brightness and gets the colour it has beside the skin's, as skin has its albedo's.
-    Skin that is blown out passes through yellow before it is white: where most of what is bright has a colour, all
-    is left as it is.
+    What becomes cloth keeps its albedo's brightness. Its colour differs from the skin's albedo as it differs from the
+    skin in the photo. Skin that is blown out turns yellow before white, so nothing is changed if most of what is bright
+    has a colour.
 
     Args:
         photo: (1, 3, S, S) linear, [0, 1].
@@ -75,9 +77,13 @@ def with_white_collar(
 
 
 def _mostly_grey(colour: torch.Tensor, bright: torch.Tensor) -> float:
-    """How surely most of what is bright, (1, 1, S, S) in [0, 1], is of no colour beside the skin's, [0, 1].
+    """Certainty that most of what is bright, (1, 1, S, S) in [0, 1], is colourless relative to skin, [0, 1].
 
-    Counted little by little: a median would leap from the collar to the skin beside it with a hint of another tint.
+    It uses soft counts, since a median would jump from the collar to the skin beside it with a slight change of tint.
+
+    Args:
+        colour: (1, 1, S, S) saturation relative to the face's.
+        bright: the degree to which each pixel is bright and neck.
     """
     pixels = bright.sum()
     grey_share = (bright * ramp(colour, _COLOURED, _GREY)).sum() / pixels.clamp_min(1e-6)
@@ -85,7 +91,7 @@ def _mostly_grey(colour: torch.Tensor, bright: torch.Tensor) -> float:
 
 
 def _rims(share: torch.Tensor, face: torch.Tensor) -> torch.Tensor:
-    """(1, 1, S, S) bool, the patches of what could be a collar (1, 1, S, S) that keep to the face's edge."""
+    """Those patches of a possible collar (1, 1, S, S) that follow the face's edge, (1, 1, S, S) bool."""
     likely = (share[0, 0] > _LIKELY).cpu().numpy().astype(np.uint8)
     distance = distance_to((face[0, 0] > 0.5).cpu().numpy())
     count, patches = cv2.connectedComponents(likely, connectivity=4)

@@ -1,7 +1,7 @@
 """White hair that de-lighting takes for a bald head.
 
-Cropped close or combed back, it lies on the skull as skin does, and its albedo comes out pink. But white hair has the
-colour of the light where skin has its own, which a bald head's highlights have in places only.
+Closely cropped or combed back, it follows the skull as skin does, and its albedo comes out pink. But white hair has the
+colour of the light all over, a bald head only in its highlights.
 """
 
 from __future__ import annotations
@@ -22,17 +22,18 @@ from relight_core.pipeline.per_photo.saturation import (
 from relight_core.pipeline.stages import Surface
 
 _FEWEST_EYE_PIXELS = 4
+"""Pixels of eyes and brows that are needed to know their row."""
 _PERHAPS_GREY, _MOSTLY_GREY = -0.4, -0.6
-"""Saturation of the scalp's middle colour beside the skin's, from which on it is hair, in part and altogether."""
+"""Ramp of the saturation of the scalp's median colour, relative to the face's, over which it becomes hair."""
 
 
 def eyes_row(parsing: torch.Tensor) -> float | None:
-    """The middle row of the eyes and brows in a parsing (1, classes, S, S); None where none are seen."""
+    """The mean row of the eyes and brows in a parsing (1, classes, S, S); None if none are seen."""
     return middle_row(parsing[0], (*EYES, *BROWS), _FEWEST_EYE_PIXELS)
 
 
 def above_the_eyes(parsing: torch.Tensor) -> torch.Tensor | None:
-    """(1, 1, S, 1) 1 in the rows above the middle of the eyes and brows; None where none are seen."""
+    """(1, 1, S, 1), 1 in the rows above the mean row of the eyes and brows, else 0; None if none are seen."""
     eyes = eyes_row(parsing)
     rows = torch.arange(parsing.shape[2], device=parsing.device)
     return None if eyes is None else (rows < eyes).float()[None, None, :, None]
@@ -40,9 +41,10 @@ def above_the_eyes(parsing: torch.Tensor) -> torch.Tensor | None:
 
 @torch.inference_mode()
 def with_white_hair(surface: Surface) -> Surface:
-    """The surface with hair where the scalp is bare, by its parsing, and mostly of no colour, in the photo.
+    """The surface with hair where the parsing has a bare scalp that is mostly colourless in the photo.
 
-    What becomes hair keeps its brightness and gets the colour it has beside the skin's, as skin has its albedo's.
+    What becomes hair keeps its albedo's brightness. Its colour differs from the skin's albedo as it differs from the
+    skin in the photo.
     """
     above, face = above_the_eyes(surface.parsing), surface.parsing[:, INDEX["skin"], None]
     if above is None:
