@@ -22,7 +22,7 @@ def posterior(parsing: np.ndarray) -> np.ndarray:
     Returns:
         (classes, ...) float32 in [0, 1], sums to 1; the likeliest class is the same.
     """
-    said = np.clip(parsing, _LEAST, 1 - _LEAST).astype(np.float32)
-    left = 1 - said
-    weight = said / (left**_FOCUS - _FOCUS * left ** (_FOCUS - 1) * said * np.log(said))
+    predicted = np.clip(parsing, _LEAST, 1 - _LEAST).astype(np.float32)
+    others = 1 - predicted
+    weight = predicted / (others**_FOCUS - _FOCUS * others ** (_FOCUS - 1) * predicted * np.log(predicted))
     return weight / weight.sum(0, keepdims=True)

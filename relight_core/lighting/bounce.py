@@ -36,9 +36,9 @@ class Bounce:
 
     def add_to(self, irradiance: torch.Tensor) -> torch.Tensor:
         """Irradiance over pi (1, 3, S, S), with the bounce added; shadows on the surroundings are ignored."""
-        return irradiance + self.thrown_back(irradiance) if len(self.places) else irradiance
+        return irradiance + self.of(irradiance) if len(self.places) else irradiance
 
-    def thrown_back(self, irradiance: torch.Tensor) -> torch.Tensor:
+    def of(self, irradiance: torch.Tensor) -> torch.Tensor:
         """The bounce alone, in the units and shape of the surface's irradiance over pi, (1, 3, S, S)."""
         result = irradiance.new_zeros(irradiance.shape)
         sent = F.interpolate(irradiance, size=_SOURCES, mode="area") * self.reflecting

@@ -42,17 +42,17 @@ def explain_photo(
     if float(total) <= 0:
         return guess
     transport, shading = transport[known], shading[known]
-    trusted = transport * (weight[known] / total)[:, None]
-    pull = _TRUST_IN_GUESS * trusted.sum(0).mean()
-    if float(pull) <= 0:
+    weighted = transport * (weight[known] / total)[:, None]
+    guess_weight = _TRUST_IN_GUESS * weighted.sum(0).mean()
+    if float(guess_weight) <= 0:
         return guess
     start = guess.clamp_min(_DARKEST * float(guess.mean()))
-    wanted = trusted.T @ shading.clamp_min(0) + pull * start
+    wanted = weighted.T @ shading.clamp_min(0) + guess_weight * start
     # This (T, T) product costs about as much as one pass over all pixels, and saves two passes per iteration.
-    both = trusted.T @ transport
+    normal_matrix = weighted.T @ transport
     light = start
     for _ in range(_ITERATIONS):
-        light = light * _ratio(wanted, both @ light + pull * light)
+        light = light * _ratio(wanted, normal_matrix @ light + guess_weight * light)
     return light
 
 

@@ -87,7 +87,7 @@ class Lamp:
 
 def lamps_of(environment: Environment, yaw_deg: float = 0.0) -> tuple[Lamp, ...]:
     """The small lamps of a light, at most 4, the strongest first; searched for once per shape."""
-    return tuple(lamp.turned(yaw_deg) for lamp in _foremost(bright_places(environment)))
+    return tuple(lamp.turned(yaw_deg) for lamp in _strongest(bright_places(environment)))
 
 
 def bright_places(environment: Environment) -> tuple[Lamp, ...]:
@@ -204,19 +204,20 @@ def _find(shape: np.ndarray, coarser: tuple[np.ndarray, ...]) -> tuple[Lamp, ...
     places = _places(sky)
     around = np.zeros((len(places), sky.grey.size))
     for share, place in zip(around, places, strict=True):
-        share[place.near] = _around(place.off_deg)
-    of_none, lamps = np.prod(1 - around, axis=0), []
+        share[place.near] = _core_weight(place.off_deg)
+    of_no_lamp, lamps = np.prod(1 - around, axis=0), []
     for place, share, claim in zip(places, around, _claims(places, around), strict=True):
-        near, beyond = place.near, _beyond(place.off_deg)
-        # The ring excludes what belongs to other lamps. `of_none` excludes this lamp too, which is divided out again.
-        lamp, radiance = _measured(sky, near, claim[near], beyond * of_none[near] / np.maximum(1 - share[near], 1e-12))
+        near, beyond = place.near, _ring_weight(place.off_deg)
+        # The ring excludes what belongs to other lamps: `of_no_lamp`, from which this lamp's own share is divided out.
+        ring = beyond * of_no_lamp[near] / np.maximum(1 - share[near], 1e-12)
+        lamp, radiance = _measured(sky, near, claim[near], ring)
         # Measured again as if no other place had a claim. A window's corner is not a small lamp only because another
         # place claims the window's middle. And two lamps that share their light stay as hard as one with all of it.
         whole, _ = _measured(sky, near, share[near], beyond)
         hardness = min(lamp.hardness, _smallness(whole.radius_deg)) * ramp(whole.irradiance / 4, *_SHARE)
         if hardness > 0:
             lamps.append(replace(lamp, hardness=float(hardness), alone=_alone(sky, near, radiance)))
-    return tuple(sorted(lamps, key=_given, reverse=True))
+    return tuple(sorted(lamps, key=_strength, reverse=True))
 
 
 def _places(sky: _Sky) -> list[_Place]:
@@ -238,21 +239,21 @@ def _places(sky: _Sky) -> list[_Place]:
             centre = power @ sky.toward[near]
             centre /= np.linalg.norm(centre)
         place = _Place(centre, *sky.within(_FARTHEST_DEG, centre), float(power.sum()))
-        left[place.near] *= 1 - _around(place.off_deg)
+        left[place.near] *= 1 - _core_weight(place.off_deg)
         left[looked_at] *= ramp(from_peak_deg, *_NEAR_DEG)
         if all(centre @ other.centre < np.cos(np.radians(_NEAR_DEG[0])) for other in found):
             found.append(place)
     return found
 
 
-def _around(off_deg: np.ndarray) -> np.ndarray:
+def _core_weight(off_deg: np.ndarray) -> np.ndarray:
     """Share of the light that may be the lamp's, [0, 1], by angle from its centre; smooth at both ends."""
     return 1 - smooth_ramp(off_deg, _CORE_DEG, AROUND_DEG)
 
 
-def _beyond(off_deg: np.ndarray) -> np.ndarray:
+def _ring_weight(off_deg: np.ndarray) -> np.ndarray:
     """Weight of the light in the ring that gives a lamp's background, [0, 1], by angle from its centre."""
-    return (1 - _around(off_deg)) * (1 - ramp(off_deg, 2 * AROUND_DEG - _CORE_DEG, _FARTHEST_DEG))
+    return (1 - _core_weight(off_deg)) * (1 - ramp(off_deg, 2 * AROUND_DEG - _CORE_DEG, _FARTHEST_DEG))
 
 
 def _claims(places: list[_Place], around: np.ndarray) -> np.ndarray:
@@ -261,17 +262,17 @@ def _claims(places: list[_Place], around: np.ndarray) -> np.ndarray:
     return around * weights / np.maximum(weights.sum(0), 1e-12)
 
 
-def _given(lamp: Lamp) -> float:
+def _strength(lamp: Lamp) -> float:
     return lamp.irradiance * lamp.hardness
 
 
-def _foremost(ranked: tuple[Lamp, ...]) -> tuple[Lamp, ...]:
+def _strongest(ranked: tuple[Lamp, ...]) -> tuple[Lamp, ...]:
     """The four strongest lamps; those that are hardly stronger than the fifth lose some hardness."""
     if len(ranked) <= MOST_LAMPS:
         return ranked
-    fifth = _given(ranked[MOST_LAMPS])
+    fifth = _strength(ranked[MOST_LAMPS])
     kept = (
-        replace(lamp, hardness=float(lamp.hardness * ramp(_given(lamp), fifth, _AHEAD * fifth)))
+        replace(lamp, hardness=float(lamp.hardness * ramp(_strength(lamp), fifth, _AHEAD * fifth)))
         for lamp in ranked[:MOST_LAMPS]
     )
     return tuple(lamp for lamp in kept if lamp.hardness > _NO_HARDNESS)

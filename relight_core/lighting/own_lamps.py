@@ -94,12 +94,12 @@ def _lamps_of_panorama(light: Environment) -> tuple[SoftBox, ...]:
         return ()
     small = shrink(light.shape, _MEASURED_HEIGHT) if light.height > _MEASURED_HEIGHT else light.shape
     names = ["lamp"] if len(lamps) == 1 else [f"lamp {number}" for number in range(1, len(lamps) + 1)]
-    parts = zip(names, lamps, _taken_out(small, lamps)[1], strict=True)
+    parts = zip(names, lamps, _without_lamps(small, lamps)[1], strict=True)
     return tuple(_disc(name, lamp, card, meter_reading(light)) for name, lamp, card in parts)
 
 
 def _room_of_panorama(light: Environment) -> np.ndarray:
-    return _taken_out(light.shape, _small_lamps(light))[0]
+    return _without_lamps(light.shape, _small_lamps(light))[0]
 
 
 def _disc(name: str, lamp: Lamp, card: np.ndarray, unit: float) -> SoftBox:
@@ -111,7 +111,7 @@ def _disc(name: str, lamp: Lamp, card: np.ndarray, unit: float) -> SoftBox:
     return moved_to(disc, np.array(lamp.toward))
 
 
-def _taken_out(shape: np.ndarray, lamps: Sequence[Lamp]) -> tuple[np.ndarray, list[np.ndarray]]:
+def _without_lamps(shape: np.ndarray, lamps: Sequence[Lamp]) -> tuple[np.ndarray, list[np.ndarray]]:
     """A panorama without its lamps, and for each lamp the radiance (3,) of a white card that faces it.
 
     A lamp is replaced by its surroundings, continued over it, where it is brighter than these. Lamps that are close
@@ -126,7 +126,7 @@ def _taken_out(shape: np.ndarray, lamps: Sequence[Lamp]) -> tuple[np.ndarray, li
         beyond = (ahead[index] > math.cos(math.radians(BEYOND_DEG))) & ~of_any
         off_deg = np.degrees(np.arccos(np.minimum(ahead[index][around], 1)))
         sides = _sides(shape[beyond], areas[beyond], _bearing(lamp, toward[beyond]))
-        behind = np.minimum(shape[around], _gone_on(sides, _bearing(lamp, toward[around]), off_deg))
+        behind = np.minimum(shape[around], _continued(sides, _bearing(lamp, toward[around]), off_deg))
         share = np.clip((AROUND_DEG - off_deg) / _RIM_DEG, 0, 1)[:, None]
         given = share * (shape[around] - behind)
         cards.append((ahead[index] * areas)[around].astype(np.float64) @ given / np.pi)
@@ -160,7 +160,7 @@ def _sides(radiance: np.ndarray, areas: np.ndarray, bearing: np.ndarray) -> np.n
     return np.stack([np.interp(np.arange(_SIDES), places, part, period=_SIDES) for part in colours.T], 1)
 
 
-def _gone_on(sides: np.ndarray, bearing: np.ndarray, off_deg: np.ndarray) -> np.ndarray:
+def _continued(sides: np.ndarray, bearing: np.ndarray, off_deg: np.ndarray) -> np.ndarray:
     """The surroundings of a lamp continued over it: (m, 3) radiance at bearings and angles from its centre (m,)."""
     places = np.arange(_SIDES)
     rim = np.stack([np.interp(bearing * _SIDES - 0.5, places, part, period=_SIDES) for part in sides.T], 1)

@@ -74,13 +74,13 @@ class ReliefTransport:
         Args:
             light: as of `shadow_fraction`.
         """
-        return self._lost(light, self._shine_at_surface, _FAINT_GLOSS)
+        return self._lost(light, self._gloss_at_surface, _FAINT_GLOSS)
 
     def _lost(self, light: torch.Tensor, at_surface: tuple[torch.Tensor, torch.Tensor], least: float) -> torch.Tensor:
         """Fraction that occlusion takes of a quantity, fading to 0 where the quantity is less than `least`.
 
         Args:
-            at_surface: its transport, from `_at_surface` or `_shine_at_surface`.
+            at_surface: its transport, from `_at_surface` or `_gloss_at_surface`.
         """
         light = light.float()
         grey = light @ luminance_weights(light)
@@ -117,13 +117,13 @@ class ReliefTransport:
         return points, torch.cat([self.unshadowed[points], self.shadowed[points]]).T.contiguous()
 
     @cached_property
-    def _shine_at_surface(self) -> tuple[torch.Tensor, torch.Tensor]:
+    def _gloss_at_surface(self) -> tuple[torch.Tensor, torch.Tensor]:
         """As `_at_surface`, for the gloss of skin instead of irradiance."""
         points = self.unshadowed.any(dim=1).nonzero()[:, 0]
         toward, weight = (part.to(self.unshadowed.device) for part in network_texels())
-        shine = specular_lobe(toward, self.normal[points]).T * weight
-        seen = (self.shadowed[points] / self.unshadowed[points].clamp_min(1e-12)).clamp_max(1)
-        return points, torch.cat([shine, shine * seen]).T.contiguous()
+        gloss = specular_lobe(toward, self.normal[points]).T * weight
+        visible = (self.shadowed[points] / self.unshadowed[points].clamp_min(1e-12)).clamp_max(1)
+        return points, torch.cat([gloss, gloss * visible]).T.contiguous()
 
 
 def march_relief(relief: torch.Tensor, normal: torch.Tensor, covered: torch.Tensor) -> ReliefTransport:

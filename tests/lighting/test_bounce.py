@@ -59,7 +59,7 @@ def test_what_receives_a_quarter_gets_a_quarter():
     all_of_it, quarter = (
         gather_bounce(normal, relief, albedo, person, torch.full((SIZE, SIZE), share)) for share in (1.0, 0.25)
     )
-    torch.testing.assert_close(quarter.thrown_back(light), 0.25 * all_of_it.thrown_back(light))
+    torch.testing.assert_close(quarter.of(light), 0.25 * all_of_it.of(light))
 
 
 def test_behind_the_person_nothing_is_sent():
@@ -84,7 +84,7 @@ def test_a_surface_that_is_half_there_sends_half():
     normal, relief, albedo, person, _ = step()
     whole, half = (gather_bounce(normal, relief, albedo, person * share, torch.ones(SIZE, SIZE)) for share in (1, 0.5))
     light = torch.ones(1, 3, SIZE, SIZE)
-    torch.testing.assert_close(half.thrown_back(light), whole.thrown_back(light) / 2)
+    torch.testing.assert_close(half.of(light), whole.of(light) / 2)
 
 
 @pytest.mark.parametrize(
@@ -120,5 +120,5 @@ def test_where_a_surface_sees_more_of_itself_than_there_is_to_see_it_gets_no_mor
     normal = torch.zeros_like(normal)
     normal[:, 0, :, : SIZE // 2], normal[:, 0, :, SIZE // 2 :] = 1.0, -1.0
     bounce = gather_bounce(normal, torch.zeros_like(relief), albedo, person, torch.ones(SIZE, SIZE))
-    got = bounce.thrown_back(torch.ones(1, 3, SIZE, SIZE))
+    got = bounce.of(torch.ones(1, 3, SIZE, SIZE))
     assert 0.9 < got.max() <= 1.0 + 1e-5

@@ -52,7 +52,7 @@ def test_effects_are_not_negative_and_no_larger_than_the_light(scene):
 def test_no_depth_of_shadow_takes_away_what_is_thrown_back_into_it(scene, gain):
     albedo, reflected, effects = scene
     back = torch.rand(1, 3, 12, 12)
-    with_it = explicit_sum(albedo, reflected, replace(effects, thrown_back=back), 1.0, gain)
+    with_it = explicit_sum(albedo, reflected, replace(effects, interreflection=back), 1.0, gain)
     torch.testing.assert_close(with_it, explicit_sum(albedo, reflected, effects, 1.0, gain) + back)
 
 
@@ -60,11 +60,11 @@ def test_the_shadow_channel_is_what_the_picture_lacks(scene):
     albedo, reflected, _ = scene
     third = torch.full((1, 1, 12, 12), 1 / 3).logit()
     effects = effects_of(Occlusion(third, third), reflected, albedo)
-    effects = replace(effects, thrown_back=0.1 * albedo * reflected[:, :3])
+    effects = replace(effects, interreflection=0.1 * albedo * reflected[:, :3])
     shown, picture = as_channels(effects), explicit_sum(albedo, reflected, effects)
     open_to_all_light = albedo * reflected[:, :3] + reflected[:, 3:]
     torch.testing.assert_close(shown.shadow, grey(open_to_all_light - picture), rtol=1e-4, atol=1e-5)
-    everything_back = replace(effects, thrown_back=open_to_all_light)
+    everything_back = replace(effects, interreflection=open_to_all_light)
     assert as_channels(everything_back).shadow.max() == 0
 
 

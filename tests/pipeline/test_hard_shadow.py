@@ -130,15 +130,15 @@ def test_effects_stay_physical(toward, light):
     zero = torch.zeros(1, 1, SIZE, SIZE)
     for effects in (half_shadow(), Effects(zero, zero)):
         after = hardened(effects, [lamp(toward=toward), lamp(radius_deg=3.0)], light, found=flanked())
-        for channel in (after.specular, after.shadow, after.thrown_back):
+        for channel in (after.specular, after.shadow, after.interreflection):
             assert torch.isfinite(channel).all()
             assert channel.min() >= 0
-        assert (after.thrown_back <= 0.5 * 0.5 * light[:, :1] + 1e-6).all()
+        assert (after.interreflection <= 0.5 * 0.5 * light[:, :1] + 1e-6).all()
         assert (after.shadow <= 0.5 * light[:, :1] + light[:, 3:4] + 1e-3).all()
 
 
 def test_a_lit_flank_of_skin_lights_the_wall_beside_it():
-    lit, soft = (hardened(half_shadow(), [lamp(hardness=hard)], found=flanked()).thrown_back for hard in (1.0, 0.0))
+    lit, soft = (hardened(half_shadow(), [lamp(hardness=hard)], found=flanked()).interreflection for hard in (1.0, 0.0))
     assert lit[..., 8:56, 37:42].min() > 1e-3
     assert soft.max() == 0
 
@@ -146,7 +146,9 @@ def test_a_lit_flank_of_skin_lights_the_wall_beside_it():
 def test_the_more_the_network_takes_for_hidden_the_less_is_thrown_back():
     one = torch.ones(1, 1, SIZE, SIZE)
     nearly_all = Effects(0 * one, (0.95 * 0.5 * 2.0 + 0.1) * one)
-    less, more = (hardened(effects, [lamp()], found=flanked()).thrown_back for effects in (nearly_all, half_shadow()))
+    less, more = (
+        hardened(effects, [lamp()], found=flanked()).interreflection for effects in (nearly_all, half_shadow())
+    )
     assert 0 < less.max() < 0.7 * more.max()
 
 
@@ -296,7 +298,7 @@ def test_light_is_thrown_back_by_skin_twice():
     one = torch.ones(1, 1, SIZE, SIZE)
     effects = Effects(0.05 * one, (0.5 * 0.25 * 2.0 + 0.05) * one)
     more, less = (
-        hardened(given, [lamp()], found=found).thrown_back
+        hardened(given, [lamp()], found=found).interreflection
         for given, found in ((half_shadow(), bright), (effects, dark))
     )
     assert more.max() > 1e-3

@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from relight_core.pipeline.per_light.skin_bounce import skin_bounce, thrown_back
+from relight_core.pipeline.per_light.skin_bounce import interreflection, skin_bounce
 from relight_core.pipeline.stages import Surface
 
 SIZE = 128
@@ -26,7 +26,7 @@ def cheek_beside_a_nose(label=SKIN, albedo=(0.6, 0.4, 0.3)):
 
 
 def thrown(surface, radiance):
-    return thrown_back(skin_bounce(surface), radiance, surface.albedo)
+    return interreflection(skin_bounce(surface), radiance, surface.albedo)
 
 
 def lit_flank(surface, flank):

@@ -38,7 +38,7 @@ from relight_core.pipeline.per_light.hints import (
     smooth_gloss,
     with_hidden_share,
 )
-from relight_core.pipeline.per_light.skin_bounce import skin_bounce, thrown_back
+from relight_core.pipeline.per_light.skin_bounce import interreflection, skin_bounce
 from relight_core.pipeline.stages import Surface
 
 _SURE = 0.5
@@ -108,29 +108,29 @@ def harden_shadow(
     power = [torch.from_numpy(footprint(lamp, view.roll_deg)) for lamp in lamps]
     lamps = [lamp.rolled(view.roll_deg) for lamp in lamps]
     rest = _without(light, lamps, power)
-    reach = _reach(surface, rest, view, lamps, power)
+    occlusion = _occlusion(surface, rest, view, lamps, power)
     of_lamps = view.reflect(light - rest)
     diffuse, gloss = grey(surface.albedo * reflected[:, :3]), grey(reflected[:, 3:])
     parts = _parts(_irradiance(lamps, surface), grey(reflected[:, :3]), grey(of_lamps[:, :3]))
-    matt = _with_edges(hidden_share(effects, diffuse, gloss), parts, reach)
+    matt = _with_edges(hidden_share(effects, diffuse, gloss), parts, occlusion)
     dull = (hidden_gloss(effects, gloss) / gloss.clamp_min(_NO_GLOSS)).clamp(0, 1)
-    shiny = _with_edges(dull, _parts(_gloss(lamps, surface), gloss, grey(of_lamps[:, 3:])), reach)
-    radiance = surface.albedo * of_lamps[:, :3] * _share_seen(lamps, parts, reach, matt.hidden)
-    ends = zip(lamps, map(as_image, matt.counts), map(as_image, reach.lost_finely), strict=True)
+    shiny = _with_edges(dull, _parts(_gloss(lamps, surface), gloss, grey(of_lamps[:, 3:])), occlusion)
+    radiance = surface.albedo * of_lamps[:, :3] * _share_seen(lamps, parts, occlusion, matt.hidden)
+    ends = zip(lamps, map(as_image, matt.counts), map(as_image, occlusion.lost_finely), strict=True)
     edges = [LampEdge(*of_lamp) for of_lamp in ends]
     hardened = replace(
         effects,
         specular=(effects.specular - gloss * (shiny.hidden - dull)).clamp_min(0),
         by_relief=matt.by_relief,
         gloss_by_relief=shiny.by_relief,
-        thrown_back=thrown_back(view.bounce, radiance, surface.albedo),
+        interreflection=interreflection(view.bounce, radiance, surface.albedo),
         edges=ShadowEdges(view.horizon, edges, as_image(matt.hidden), as_image(diffuse)),
     )
     return with_hidden_share(hardened, matt.hidden, diffuse, gloss)
 
 
 @dataclass(frozen=True)
-class _Reach:
+class _Occlusion:
     """What the relief hides of each lamp, and of the rest of the light; maps (1, 1, S, S) in [0, 1].
 
     Attributes:
@@ -149,7 +149,7 @@ class _Reach:
     def lost_as_decided(self) -> Sequence[torch.Tensor]:
         """For each lamp the share that is hidden, with edges as sharp as the weight of geometry makes them."""
         of_each = zip(self.lost, self.lost_finely, self.decides, strict=True)
-        return [torch.lerp(soft, edgy, decides) for soft, edgy, decides in of_each]
+        return [torch.lerp(soft, sharp, decides) for soft, sharp, decides in of_each]
 
 
 @dataclass(frozen=True)
@@ -180,28 +180,29 @@ def _without(light: torch.Tensor, lamps: Sequence[Lamp], power: Sequence[torch.T
     return light * left[None, :, :, None]
 
 
-def _reach(
+def _occlusion(
     surface: Surface,
     rest: torch.Tensor,
     view: LampsView,
     lamps: Sequence[Lamp],
     power: Sequence[torch.Tensor],
-) -> _Reach:
+) -> _Occlusion:
     """What the relief hides of the lamps and of the `rest` of the light, (1, 16, 32, 3); `power` as of `_without`."""
     like = surface.relief
     rest = grey(rest.float().cpu().permute(0, 3, 1, 2))[0, 0]
     lost_rest, *lost = 1 - view.transport.visibility(torch.stack([rest, *power]), like.shape[-1]).to(like)
     seen = (as_tensor(view.horizon.visibility(lamp.toward, lamp.radius_deg), like.device) for lamp in lamps)
-    return _Reach(lost, [1 - share for share in seen], lost_rest, [lamp.hardness * surface.bare_skin for lamp in lamps])
+    decides = [lamp.hardness * surface.bare_skin for lamp in lamps]
+    return _Occlusion(lost, [1 - share for share in seen], lost_rest, decides)
 
 
-def _lost(parts: Sequence[torch.Tensor], lost: Sequence[torch.Tensor], reach: _Reach) -> torch.Tensor:
+def _lost(parts: Sequence[torch.Tensor], lost: Sequence[torch.Tensor], occlusion: _Occlusion) -> torch.Tensor:
     """Share of all light that the relief hides, (1, 1, S, S), from each lamp's part and the share `lost` of it."""
-    return sum(part * share for part, share in zip(parts, lost, strict=True)) + _rest(parts) * reach.lost_rest
+    return sum(part * share for part, share in zip(parts, lost, strict=True)) + _rest(parts) * occlusion.lost_rest
 
 
 def _share_seen(
-    lamps: Sequence[Lamp], parts: Sequence[torch.Tensor], reach: _Reach, hidden: torch.Tensor
+    lamps: Sequence[Lamp], parts: Sequence[torch.Tensor], occlusion: _Occlusion, hidden: torch.Tensor
 ) -> torch.Tensor:
     """Share of the lamps' light that arrives, weighted by the lamps' hardness, (1, 1, S, S) in [0, 1].
 
@@ -209,7 +210,7 @@ def _share_seen(
         hidden: the share of all light that is hidden, which may be more than the relief hides.
     """
     by_relief = sum(
-        lamp.hardness * part * (1 - lost) for lamp, part, lost in zip(lamps, parts, reach.lost_finely, strict=True)
+        lamp.hardness * part * (1 - lost) for lamp, part, lost in zip(lamps, parts, occlusion.lost_finely, strict=True)
     )
     return torch.minimum(by_relief, 1 - hidden) / sum(parts).clamp_min(_NO_GLOSS)
 
@@ -219,31 +220,31 @@ def _rest(parts: Sequence[torch.Tensor]) -> torch.Tensor:
     return (1 - sum(parts)).clamp_min(0)
 
 
-def _with_edges(hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Reach) -> _Edged:
+def _with_edges(hidden: torch.Tensor, parts: Sequence[torch.Tensor], occlusion: _Occlusion) -> _Edged:
     """Sharpen the shadows of lamps, in the diffuse light or in the gloss.
 
     Args:
         hidden: (1, 1, S, S) the share that the network takes to be hidden, in [0, 1].
         parts: for each lamp, see `_parts`.
-        reach: what the relief hides.
+        occlusion: what the relief hides.
     """
     edged, of_lamps, unlit, counts = hidden, torch.zeros_like(hidden), torch.zeros_like(hidden), []
-    of_each = zip(_sure_of(hidden, parts, reach), parts, reach.lost, reach.lost_finely, strict=True)
-    for (of_lamp, sure), part, soft, edgy in of_each:
-        change = part * edgy - of_lamp
+    of_each = zip(_by_lamp(hidden, parts, occlusion), parts, occlusion.lost, occlusion.lost_finely, strict=True)
+    for (of_lamp, sure), part, soft, sharp in of_each:
+        change = part * sharp - of_lamp
         # The relief may deepen any shadow, but lighten only one that it casts itself, not that of a brim or a lock.
         known = (soft / _SURE).clamp_max(1)
         edged = edged + sure * torch.where(change > 0, change, change * known)
         counts.append(sure * (part - (1 - known) * of_lamp))
-        of_lamps, unlit = of_lamps + of_lamp, unlit + sure * part * edgy
+        of_lamps, unlit = of_lamps + of_lamp, unlit + sure * part * sharp
     rest, of_rest = _rest(parts), (hidden - of_lamps).clamp_min(0)
     doubt = unlit.clamp(0, 1) / (1 + (rest / _SMALL_REST).square())
-    edged = (edged + doubt * (rest * reach.lost_rest - of_rest)).clamp(0, 1)
-    return _Edged(edged, _lost(parts, reach.lost_as_decided, reach), counts)
+    edged = (edged + doubt * (rest * occlusion.lost_rest - of_rest)).clamp(0, 1)
+    return _Edged(edged, _lost(parts, occlusion.lost_as_decided, occlusion), counts)
 
 
-def _sure_of(
-    hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Reach
+def _by_lamp(
+    hidden: torch.Tensor, parts: Sequence[torch.Tensor], occlusion: _Occlusion
 ) -> list[tuple[torch.Tensor, torch.Tensor]]:
     """For each lamp, how much of the light that the network hides is the lamp's, and the weight of geometry.
 
@@ -251,8 +252,8 @@ def _sure_of(
     much is hidden in total. That is divided among the lamps and the rest in proportion to what the relief hides of
     each.
     """
-    lost, result = _lost(parts, reach.lost, reach), []
-    for part, soft, decides in zip(parts, reach.lost, reach.decides, strict=True):
+    lost, result = _lost(parts, occlusion.lost, occlusion), []
+    for part, soft, decides in zip(parts, occlusion.lost, occlusion.decides, strict=True):
         of_lamp = torch.minimum(hidden * (part * (soft + _DOUBT) / (lost + _DOUBT)).clamp(0, 1), part)
         result.append((of_lamp, decides * (of_lamp / (_SURE * part).clamp_min(1e-4)).clamp(0, 1)))
     return result

@@ -102,8 +102,8 @@ class Effects:
             not known.
         gloss_by_relief: the same for the gloss, of which a lamp may give a larger share than of the diffuse light;
             None if it equals `by_relief`.
-        thrown_back: (B, 3, H, W) >= 0, light of small lamps that other skin reflects (see `skin_bounce`); None if the
-            shadow already contains it, as the network's does.
+        interreflection: (B, 3, H, W) >= 0, light of small lamps that other skin reflects (see `skin_bounce`); None if
+            the shadow already contains it, as the network's does.
         edges: the ends of small lamps' shadows, for drawing them at a higher resolution; None if there are none.
     """
 
@@ -112,15 +112,15 @@ class Effects:
     colour_odds: torch.Tensor | None = None
     by_relief: torch.Tensor | None = None
     gloss_by_relief: torch.Tensor | None = None
-    thrown_back: torch.Tensor | None = None
+    interreflection: torch.Tensor | None = None
     edges: ShadowEdges | None = None
 
 
 def as_channels(effects: Effects) -> Effects:
     """The effects as the paper's channels: the shadow is what the picture lacks, so the bounce is subtracted."""
-    if effects.thrown_back is None:
+    if effects.interreflection is None:
         return effects
-    return Effects(effects.specular, (effects.shadow - grey(effects.thrown_back)).clamp_min(0))
+    return Effects(effects.specular, (effects.shadow - grey(effects.interreflection)).clamp_min(0))
 
 
 def effects_of(occlusion: Occlusion, reflected: torch.Tensor, albedo: torch.Tensor) -> Effects:
@@ -238,7 +238,7 @@ def explicit_parts(
         fraction = hidden_by_colour(fraction, effects.colour_odds, diffuse)
     colour = reflected[:, 3:] / gloss.clamp_min(1e-6)
     matt = diffuse * light_left(fraction, shadow_gain)
-    return matt if effects.thrown_back is None else matt + effects.thrown_back, effects.specular * colour
+    return matt if effects.interreflection is None else matt + effects.interreflection, effects.specular * colour
 
 
 def light_left(hidden: torch.Tensor | np.ndarray, shadow_gain: float) -> torch.Tensor | np.ndarray:

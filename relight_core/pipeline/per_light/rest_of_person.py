@@ -175,10 +175,10 @@ def _in_bounds(correction: np.ndarray, body: Body, guess: np.ndarray, in_photo: 
         in_photo: (k, l, 3) as of `body_gain`.
     """
     relit = body.photo * guess * np.exp(correction)
-    given_back = relit.max(-1) / (guess * in_photo).max(-1)
-    across = np.ones((_BRIGHT_WITHIN,) * 2, np.uint8)
-    given_back = cv2.blur(cv2.dilate(given_back.astype(np.float32), across), across.shape)
-    too_much = np.log(np.maximum(given_back, 1e-6) / _REFLECTS)[..., None]
+    apparent_albedo = relit.max(-1) / (guess * in_photo).max(-1)
+    window = np.ones((_BRIGHT_WITHIN,) * 2, np.uint8)
+    apparent_albedo = cv2.blur(cv2.dilate(apparent_albedo.astype(np.float32), window), window.shape)
+    too_much = np.log(np.maximum(apparent_albedo, 1e-6) / _REFLECTS)[..., None]
     above_mean = (correction - body.onward.mean(correction)).mean(-1, keepdims=True)
     return correction - np.clip(too_much, 0.0, np.maximum(above_mean, 0.0))
 

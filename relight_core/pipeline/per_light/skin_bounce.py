@@ -25,18 +25,18 @@ def skin_bounce(surface: Surface) -> Bounce:
     receives = _shrunk(surface.bare_skin * (1 - surface.eye_sockets))
     relief, person = _shrunk(surface.relief), _shrunk(surface.person)
     normal = unit_normals(_shrunk(surface.normal))
-    # An albedo of 1, since `thrown_back` is given radiance, which contains the albedo.
+    # An albedo of 1, since `interreflection` is given radiance, which contains the albedo.
     return gather_bounce(normal, relief, torch.ones_like(normal), person, receives[0, 0])
 
 
-def thrown_back(bounce: Bounce, radiance: torch.Tensor, albedo: torch.Tensor) -> torch.Tensor:
+def interreflection(bounce: Bounce, radiance: torch.Tensor, albedo: torch.Tensor) -> torch.Tensor:
     """The radiance that a surface's skin reflects a second time, (1, 3, S, S), from the radiance that it sends out.
 
     Args:
         bounce: `skin_bounce` of the surface.
         radiance, albedo: (1, 3, S, S), linear.
     """
-    return albedo * enlarge(bounce.thrown_back(_shrunk(radiance)), albedo.shape[-2:])
+    return albedo * enlarge(bounce.of(_shrunk(radiance)), albedo.shape[-2:])
 
 
 def _shrunk(image: torch.Tensor) -> torch.Tensor:

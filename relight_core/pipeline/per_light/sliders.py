@@ -81,9 +81,9 @@ def move_sliders(
     if not lifted.any():
         return SliderChange(kept, added, lifted)
     open_to_light, _ = explicit_parts(surface.albedo, reflected, effects, 0.0)
-    given_back = _without_nostrils(lifted, surface.parsing)
-    given_back = given_back * _share_as_around(open_to_light, composed.plain - gloss, surface)
-    return SliderChange(kept, added - lifted, given_back)
+    limited = _without_nostrils(lifted, surface.parsing)
+    limited = limited * _share_as_around(open_to_light, composed.plain - gloss, surface)
+    return SliderChange(kept, added - lifted, limited)
 
 
 def _without_nostrils(lifted: torch.Tensor, parsing: torch.Tensor) -> torch.Tensor:

@@ -118,7 +118,7 @@ def place_masks(
     if len(people) + len(others) > 1:
         near = near_views([*people, *others], size, photo_size)
         for mask, looks in zip(placed, people, strict=True):
-            _leave_to_others(mask, looks, near, photo_size)
+            _yield_to_others(mask, looks, near, photo_size)
     if not others:
         return placed
     theirs = sum(_placed(looks, size, photo_size) * _nearness(looks, size, photo_size) for looks in others)
@@ -168,7 +168,8 @@ def likely_person(
     likely = np.maximum.reduce([np.full(guide.shape[:2], _LEAST, np.float32), *placed])
     likely = np.clip(cv2.GaussianBlur(likely, (0, 0), 1.0), _LEAST, 1 - _LEAST)
     known = ramp(np.zeros_like(likely) if face is None else face, _PERHAPS_FACE, _SURELY_FACE)
-    return _as_colours_say(guide, np.log(likely / (1 - likely)), known, np.ones_like(likely) if near is None else near)
+    near = np.ones_like(likely) if near is None else near
+    return _corrected_by_colour(guide, np.log(likely / (1 - likely)), known, near)
 
 
 def attached(matte: np.ndarray, placed: list[np.ndarray]) -> np.ndarray:
@@ -292,13 +293,13 @@ def _placed(looks: list[Look], size: tuple[int, int], photo_size: tuple[int, int
     across, down = across_and_down(upright(view), size, photo_size)
     beyond, below = _around(np.abs(across - 0.5), down - 1, seen), down > 1
     for person_wider, wider_view in wider:
-        told = _heeding(beyond, spread_crop(_in_range(person_wider), wider_view, whole))
+        told = _corrected_by(beyond, spread_crop(_in_range(person_wider), wider_view, whole))
         told = np.where(below, told, np.minimum(told, np.maximum(beyond, _AT_MOST_BESIDE)))
         beyond = np.where(_inside(wider_view, size, photo_size), told, beyond)
     return np.where(_inside(view, size, photo_size), seen, beyond).astype(np.float32)
 
 
-def _leave_to_others(mask: np.ndarray, looks: list[Look], near: np.ndarray, photo_size: tuple[int, int]) -> None:
+def _yield_to_others(mask: np.ndarray, looks: list[Look], near: np.ndarray, photo_size: tuple[int, int]) -> None:
     """Lower a person's mask, in place, to `_NOBODY` where it is only the weak prior and another's nearest look reaches.
 
     Args:
@@ -325,7 +326,7 @@ def _inside(view: Crop, size: tuple[int, int], photo_size: tuple[int, int]) -> n
     return (across >= 0) & (across < 1) & (down >= 0) & (down < 1)
 
 
-def _heeding(guess: np.ndarray, told: np.ndarray) -> np.ndarray:
+def _corrected_by(guess: np.ndarray, told: np.ndarray) -> np.ndarray:
     """A prior probability corrected by a wider look's, as far as its log odds exceed the thresholds of doubt."""
     told = np.clip(told, _SUREST, 1 - _SUREST)
     odds = np.log(told / (1 - told))
@@ -360,7 +361,7 @@ def _around(across: np.ndarray, below: np.ndarray, placed: np.ndarray) -> np.nda
     return guess
 
 
-def _as_colours_say(guide: np.ndarray, prior: np.ndarray, face: np.ndarray, near: np.ndarray) -> np.ndarray:
+def _corrected_by_colour(guide: np.ndarray, prior: np.ndarray, face: np.ndarray, near: np.ndarray) -> np.ndarray:
     """Probability (h, w) from prior log odds plus the limited log odds of each pixel's colour.
 
     Args:
