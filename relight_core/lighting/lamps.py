@@ -232,7 +232,7 @@ def _places(sky: _Sky) -> list[_Place]:
         if left[peak] * sky.grey[peak] < _DIMMEST:
             break
         centre = sky.toward[peak]
-        looked_at, from_peak_deg = sky.within(_NEAR_DEG[1], centre)
+        around_peak, from_peak_deg = sky.within(_NEAR_DEG[1], centre)
         for _ in range(_CENTRINGS):
             near, off_deg = sky.within(_NEAR_DEG[1], centre)
             power = sky.grey[near] * sky.areas[near] * (1 - ramp(off_deg, *_NEAR_DEG))
@@ -240,7 +240,7 @@ def _places(sky: _Sky) -> list[_Place]:
             centre /= np.linalg.norm(centre)
         place = _Place(centre, *sky.within(_FARTHEST_DEG, centre), float(power.sum()))
         left[place.near] *= 1 - _core_weight(place.off_deg)
-        left[looked_at] *= ramp(from_peak_deg, *_NEAR_DEG)
+        left[around_peak] *= ramp(from_peak_deg, *_NEAR_DEG)
         if all(centre @ other.centre < np.cos(np.radians(_NEAR_DEG[0])) for other in found):
             found.append(place)
     return found

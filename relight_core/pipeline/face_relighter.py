@@ -22,11 +22,11 @@ from relight_core.pipeline.face_in_photo import FaceInPhoto
 from relight_core.pipeline.per_light.catchlights import (
     Catchlight,
     EyeSky,
-    how_much_another,
-    in_the_open,
+    difference_of_lights,
     light_about,
     mirrored_light,
     sky_over,
+    unoccluded,
 )
 from relight_core.pipeline.per_light.fine_edges import FineEdges, draw_finely
 from relight_core.pipeline.per_light.hard_shadow import harden_shadow, ready_for_lamps
@@ -208,11 +208,11 @@ class FaceRelighter(FaceInPhoto):
         corneas = self.corneas()
         if not corneas:
             return ()
-        eyes = [in_the_open(lit.light)] * len(corneas)
+        eyes = [unoccluded(lit.light)] * len(corneas)
         if plan.runs("shadow") and plan.runs("relief"):
             of_light = ready.surface, lit.effects, lit.reflected, lit.light
             eyes = [light_about(sky, *of_light) for sky in self._skies(ready)]
-        replaces = how_much_another(network_light(environment, yaw_deg), self.own_light_normalised(ready))
+        replaces = difference_of_lights(network_light(environment, yaw_deg), self.own_light_normalised(ready))
         seen = [mirrored_light(*eye, environment, yaw_deg) for eye in zip(corneas, eyes, strict=True)]
         return tuple(Catchlight(*parts, replaces) for parts in zip(corneas, seen, strict=True))
 

@@ -13,7 +13,7 @@ from relight_core.imaging.colour import luminance
 from relight_core.imaging.photo import Photo
 from relight_core.pipeline.face_taken_apart import Workshop
 from relight_core.pipeline.per_photo.choosing_faces import choose_faces
-from relight_core.pipeline.per_photo.exposing import exposure_of_view, looked_at
+from relight_core.pipeline.per_photo.exposing import exposure_of_view, sampled_pixels
 from relight_core.pipeline.per_photo.network_view import network_view
 from relight_core.pipeline.per_photo.portrait import frame, framed, located
 from relight_core.pipeline.quality import tier_of
@@ -88,5 +88,5 @@ class FaceSearch:
 
     def _has_contrast(self, place: FaceBox) -> bool:
         middle = Crop((place.x0 + place.x1) / 2, (place.y0 + place.y1) / 2, min(place.width, place.height))
-        dark, bright = np.percentile(luminance(looked_at(self._photo, middle)), (2, 98))
+        dark, bright = np.percentile(luminance(sampled_pixels(self._photo, middle)), (2, 98))
         return bool(bright - dark > _LEAST_CONTRAST * bright)

@@ -25,7 +25,7 @@ from relight_core.pipeline.edit import Edit, check_edit
 from relight_core.pipeline.face_relighter import KEPT_LIGHTS, FaceRelighter
 from relight_core.pipeline.face_search import FaceSearch
 from relight_core.pipeline.face_taken_apart import Workshop
-from relight_core.pipeline.per_light.catchlights import Catchlight, name_of_mirrored
+from relight_core.pipeline.per_light.catchlights import Catchlight, mirrored_key
 from relight_core.pipeline.per_light.kept_lights import KeptLights, ServingLight
 from relight_core.pipeline.per_photo.brush import BrushStroke, checked_strokes
 from relight_core.pipeline.per_photo.choosing_faces import those_chosen
@@ -331,7 +331,7 @@ class Relighter:
             backdrop=backdrop,
             level=environment.level,
             lamps=light.lamps,
-            mirrored=(name_of_mirrored(environment), edit.yaw_deg) if irises else None,
+            mirrored=(mirrored_key(environment), edit.yaw_deg) if irises else None,
             irises=irises,
             in_foreign_shadow=sum(face.prepare(tier).found.foreign_shadow is not None for face in self._faces),
         )

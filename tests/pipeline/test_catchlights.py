@@ -16,9 +16,9 @@ from relight_core.lighting.sphere import directions, solid_angles
 from relight_core.pipeline.per_light.catchlights import (
     Catchlight,
     LitEye,
-    how_much_another,
+    difference_of_lights,
+    mirrored_key,
     mirrored_light,
-    name_of_mirrored,
     sky_over,
 )
 from relight_core.pipeline.per_photo.corneas import find_cornea
@@ -157,13 +157,13 @@ def test_it_ends_within_its_square(cornea):
 
 def test_a_light_is_another_by_where_it_comes_from_alone():
     light = np.random.default_rng(0).gamma(0.5, 1, (16, 32, 3)).astype(np.float32)
-    assert how_much_another(light, light) == 0
-    assert how_much_another(light * 7, light) < 1e-5
-    assert how_much_another(np.roll(light, 8, axis=1), light) == 1
-    slightly = [how_much_another(light + step * np.roll(light, 8, axis=1), light) for step in (0.01, 0.03, 0.05)]
+    assert difference_of_lights(light, light) == 0
+    assert difference_of_lights(light * 7, light) < 1e-5
+    assert difference_of_lights(np.roll(light, 8, axis=1), light) == 1
+    slightly = [difference_of_lights(light + step * np.roll(light, 8, axis=1), light) for step in (0.01, 0.03, 0.05)]
     assert 0 < slightly[0] < slightly[1] < slightly[2] < 1
     black = np.zeros_like(light)
-    assert np.isfinite([how_much_another(black, light), how_much_another(black, black)]).all()
+    assert np.isfinite([difference_of_lights(black, light), difference_of_lights(black, black)]).all()
 
 
 def test_a_light_is_another_by_what_comes_from_elsewhere_and_not_by_how_many_texels_that_fills():
@@ -172,14 +172,14 @@ def test_a_light_is_another_by_what_comes_from_elsewhere_and_not_by_how_many_tex
     above = light.copy()
     above[0] += 0.02 / share
     # Two percent of it came anew, all but what was there in that direction before.
-    assert how_much_another(above, light) == pytest.approx(0.02 / 1.02 * (1 - share) / 0.1, rel=1e-3)
+    assert difference_of_lights(above, light) == pytest.approx(0.02 / 1.02 * (1 - share) / 0.1, rel=1e-3)
 
 
 def test_what_is_mirrored_is_named_by_what_the_light_looks_like_alone():
     radiance = np.random.default_rng(0).gamma(0.5, 1, (32, 64, 3)).astype(np.float32)
     light, other = Environment.from_radiance(radiance, "a"), Environment.from_radiance(radiance[:, ::-1], "a")
-    assert name_of_mirrored(light) == name_of_mirrored(Environment.from_radiance(radiance, "b").at_level(7.0))
-    assert name_of_mirrored(light) != name_of_mirrored(other)
+    assert mirrored_key(light) == mirrored_key(Environment.from_radiance(radiance, "b").at_level(7.0))
+    assert mirrored_key(light) != mirrored_key(other)
 
 
 @pytest.mark.parametrize("iris", [(103.0, 91.0, 3.0), (103.0, 91.0, 40.0), (100.0, 90.0, 0.1)])

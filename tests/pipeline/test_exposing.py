@@ -15,7 +15,7 @@ from relight_core.pipeline.per_photo.exposing import (
     exposure_about_faces,
     exposure_of_face,
     exposure_of_view,
-    looked_at,
+    sampled_pixels,
 )
 from relight_core.pipeline.quality import tier_of
 from relight_core.pipeline.relighter import Relighter
@@ -113,10 +113,10 @@ def test_a_view_is_dark_where_all_but_a_twentieth_of_it_is_and_too_bright_where_
 def test_a_view_of_a_part_is_metered_there_alone():
     photo = uneven(0.03)
     photo.linear[:, 60:] *= 10
-    seen = looked_at(photo, Crop(30.0, 20.0, 40.0))
+    seen = sampled_pixels(photo, Crop(30.0, 20.0, 40.0))
     assert seen.shape == (1600, 3)
     assert 0.029 < seen.max() < 0.031
-    assert looked_at(photo, Crop(80.0, 20.0, 40.0)).min() > 0.14
+    assert sampled_pixels(photo, Crop(80.0, 20.0, 40.0)).min() > 0.14
 
 
 def test_of_a_framed_photo_the_picture_is_metered():

@@ -8,7 +8,7 @@ from relight_core.face.crop import Crop
 from relight_core.face.irises import Iris
 from relight_core.lighting.panorama import mean_radiance
 from relight_core.lighting.relief import march_relief
-from relight_core.pipeline.per_light.catchlights import in_the_open, light_about, sky_over
+from relight_core.pipeline.per_light.catchlights import light_about, sky_over, unoccluded
 from relight_core.pipeline.per_light.hints import Effects
 from relight_core.pipeline.per_photo.corneas import find_cornea
 from relight_core.pipeline.stages import Surface
@@ -88,6 +88,6 @@ def test_no_light_and_an_eye_beyond_the_view_are_no_fault(cornea):
 def test_in_the_open_all_is_seen_and_what_comes_evenly_is_the_mean_over_the_sphere():
     light = torch.from_numpy(np.random.default_rng(0).exponential(size=(1, 16, 32, 3)).astype(np.float32))
     light[:, 0] *= 20
-    eye = in_the_open(light)
+    eye = unoccluded(light)
     np.testing.assert_array_equal(eye.seen, np.ones((16, 32)))
     np.testing.assert_allclose(eye.evenly, mean_radiance(light[0].numpy()), rtol=1e-5)

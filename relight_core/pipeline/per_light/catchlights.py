@@ -35,7 +35,7 @@ _BLUR = 0.012
 """Standard deviation of the lens's blur, as a share of the eye's square."""
 _FEWEST_ROWS, _MOST_ROWS = 16, 256
 """Of the panorama that an eye mirrors."""
-_ANOTHER_LIGHT = 0.1
+_DIFFERENT = 0.1
 """If at least this share of a light comes from elsewhere than the photo's own, it counts wholly as another light."""
 _LEAST_OPEN = 1e-9
 """Response of an eye to a texel below which the texel counts as hidden."""
@@ -101,7 +101,7 @@ class LitEye:
     evenly: np.ndarray
 
 
-def name_of_mirrored(environment: Environment) -> Hashable:
+def mirrored_key(environment: Environment) -> Hashable:
     """A cache key for what eyes can mirror of a light, whatever its level.
 
     It is the hash of a small copy, since hashing a whole panorama takes longer than mirroring it.
@@ -128,12 +128,12 @@ def _mirrored_by(cornea: Cornea, environment: Environment) -> np.ndarray:
     return environment.of_shape(("mirrored", rows), lambda _: shrink(finest, rows) if len(finest) > rows else finest)
 
 
-def how_much_another(light: np.ndarray, own: np.ndarray) -> float:
+def difference_of_lights(light: np.ndarray, own: np.ndarray) -> float:
     """How different a light's distribution over the sphere is from the photo's own, [0, 1]; both (16, 32, 3)."""
     areas = solid_angles(*light.shape[:2])
     one, other = (luminance(part) * areas for part in (light, own))
     apart = np.abs(one / max(one.sum(), 1e-12) - other / max(other.sum(), 1e-12)).sum() / 2
-    return float(ramp(float(apart), 0.0, _ANOTHER_LIGHT))
+    return float(ramp(float(apart), 0.0, _DIFFERENT))
 
 
 def sky_over(cornea: Cornea, view: Crop, transport: ReliefTransport, size: int) -> EyeSky:
@@ -176,7 +176,7 @@ def light_about(
     return LitEye(np.float32(agreed) * sky.seen, evenly.numpy())
 
 
-def in_the_open(light: torch.Tensor) -> LitEye:
+def unoccluded(light: torch.Tensor) -> LitEye:
     """What reaches an eye of a light (1, h, 2h, 3) without any occlusion."""
     return LitEye(np.ones(light.shape[1:3], np.float32), mean_radiance(light[0].cpu().numpy()).astype(np.float32))
 

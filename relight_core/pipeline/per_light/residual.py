@@ -154,11 +154,11 @@ def find_residual(
     hair, skin = _hair_and_skin(surface, mean)
     colour = without_mean(log_ratio)
     known = seen_of_person(surface)
-    skin = _of_skins_colour(surface, colour, skin, known)
+    skin = _unpainted_skin(surface, colour, skin, known)
     seen_skin = skin * known
     of_lamps = colours_of_lamps(surface, model.plain, colour, skin, seen_skin)
     glare = _glare_share(mean, skin, hair)
-    of_others = torch.maximum(glare, deep_shadow(surface.photo, skin))
+    of_other_lamps = torch.maximum(glare, deep_shadow(surface.photo, skin))
     broad, missed, much = _missed_light(mean, skin, seen_skin, glare)
     of_shade = much * colours_of_shade(surface, missed, colour, skin, seen_skin) if much else torch.zeros_like(colour)
     by_camera = _by_camera(log_ratio - of_shade, surface.albedo, seen_skin)
@@ -173,10 +173,10 @@ def find_residual(
         stays_dark=_DARK_HAIR * hair,
         skin=skin,
         broad=broad,
-        missed=missed + (1 - of_others) * of_lamps,
+        missed=missed + (1 - of_other_lamps) * of_lamps,
         missed_fades=few + (many - few) * much,
         tint=tint,
-        fleeting=glare * mean + of_others * (colour - tint - of_light) + of_light,
+        fleeting=glare * mean + of_other_lamps * (colour - tint - of_light) + of_light,
         light=source_light,
         level=level,
         largest_log=largest_log,
@@ -229,7 +229,7 @@ def _hair_and_skin(surface: Surface, mean: torch.Tensor) -> tuple[torch.Tensor, 
     return hair + mistaken, skin - mistaken
 
 
-def _of_skins_colour(surface: Surface, colour: torch.Tensor, skin: torch.Tensor, known: torch.Tensor) -> torch.Tensor:
+def _unpainted_skin(surface: Surface, colour: torch.Tensor, skin: torch.Tensor, known: torch.Tensor) -> torch.Tensor:
     """The probability of skin without paint, masks or burns, which have a colour of their own, (1, 1, S, S).
 
     Args:
@@ -277,19 +277,19 @@ def _missed_light(
         skin, seen_skin: (1, 1, S, S) probability of bare skin, and of skin that the photo shows unclipped.
         glare: (1, 1, S, S) the share of the log ratio that is glare.
     """
-    broad = skin * _shared_by_more_than_a_mole(mean, skin)
+    broad = skin * _broad_log_ratio(mean, skin)
     sure = (seen_skin > SURELY)[0, 0]
     known = int(sure.sum()) >= FEWEST_PIXELS
     middle = middle_values(broad, sure) if known else 0.0
     missed = (1 - glare) * (broad - skin * middle)
     spread = float(missed[0][:, sure].std()) if known else 0.0
     if elsewhere := ramp(spread, *_MISSED_ELSEWHERE):
-        rest = elsewhere * (1 - skin) * _shared_by_more_than_a_mole(mean, 1 - skin)
+        rest = elsewhere * (1 - skin) * _broad_log_ratio(mean, 1 - skin)
         broad, missed = broad + rest, missed + (1 - glare) * rest
     return broad, missed, ramp(spread, *_MUCH_MISSED)
 
 
-def _shared_by_more_than_a_mole(mean: torch.Tensor, part: torch.Tensor) -> torch.Tensor:
+def _broad_log_ratio(mean: torch.Tensor, part: torch.Tensor) -> torch.Tensor:
     """The part of a log ratio (1, 1, S, S) that is shared by an area larger than a mole, (1, 1, S, S).
 
     It is a local median, which can't follow the bends of a shadow's edge. So at an edge everything between the medians

@@ -62,18 +62,18 @@ class Body:
         light_of: the irradiance on the body's normals under a light.
         photo: (k, l, 3) linear; k and l at most 64.
         onward: continues (k, l, C) values from where views cover the body.
-        has: (k, l, 3), in (0, 1], how much each channel says about its own gain.
-        by_colour: as `onward`, with each channel also weighted by `has`.
+        evidence: (k, l, 3), in (0, 1], how much each channel says about its own gain.
+        by_colour: as `onward`, with each channel also weighted by `evidence`.
     """
 
     share: np.ndarray
     light_of: NormalLookup
     photo: np.ndarray
     onward: Continuation
-    has: np.ndarray
+    evidence: np.ndarray
     by_colour: Continuation
 
-    def carried_on(self, lit: np.ndarray, expected: np.ndarray) -> np.ndarray:
+    def continued(self, lit: np.ndarray, expected: np.ndarray) -> np.ndarray:
         """The log ratio (k, l, 3) of the views' result over the estimate, continued beyond the views.
 
         Colours are continued as means of logs, but luminance as a ratio of means. For a chest half in a lamp's light
@@ -87,11 +87,11 @@ class Body:
         known = np.log(lit / expected)
         around = self.by_colour(known)
         # A channel that says little deviates from its surroundings by as much as the other channels there.
-        off = (self.has * (known - around)).sum(-1, keepdims=True) / self.has.sum(-1, keepdims=True)
-        colours = around + off + self.has * (known - around - off)
+        off = (self.evidence * (known - around)).sum(-1, keepdims=True) / self.evidence.sum(-1, keepdims=True)
+        colours = around + off + self.evidence * (known - around - off)
         light, due = luminance(lit), luminance(expected)
-        carried = self.onward(np.dstack([colours, light, due, np.log(light / due)]))
-        colours, (light, due, logs) = carried[..., :3], np.moveaxis(carried[..., 3:], -1, 0)
+        continued = self.onward(np.dstack([colours, light, due, np.log(light / due)]))
+        colours, (light, due, logs) = continued[..., :3], np.moveaxis(continued[..., 3:], -1, 0)
         brighter = np.log(np.maximum(light, _LEAST) / np.maximum(due, _LEAST)) - logs
         return colours + brighter[..., None] * self.onward.within_reach
 
@@ -121,9 +121,9 @@ def make_body(
     lit, unclipped = luminance(photo) / _WELL_SEEN, (1 - photo.max(-1)) / _HEADROOM
     trusted = np.clip(np.minimum(lit, unclipped), _FLOOR, 1.0)
     weight = known * ramp(known, _BARELY, _MOSTLY) * np.maximum(body - 0.5, 0.0) * trusted
-    has = ramp(photo / np.maximum(photo.max(-1, keepdims=True), _DARK), *_HARDLY).clip(_UNSEEN, 1.0)
+    evidence = ramp(photo / np.maximum(photo.max(-1, keepdims=True), _DARK), *_HARDLY).clip(_UNSEEN, 1.0)
     light_of = NormalLookup(table, normal, gloss=False)
-    return Body(share, light_of, photo, Continuation(weight), has, Continuation(weight[..., None] * has))
+    return Body(share, light_of, photo, Continuation(weight), evidence, Continuation(weight[..., None] * evidence))
 
 
 @torch.inference_mode()
@@ -154,7 +154,7 @@ def body_gain(body: Body, light: torch.Tensor, relit: np.ndarray, in_photo: np.n
     if in_photo is not None:
         guess = guess / in_photo
     small = guess if guess.shape == relit.shape else resize_area(guess, relit.shape[:2])
-    correction = body.carried_on(np.maximum(relit, 0.0) + _DARK, (body.photo + _DARK) * small)
+    correction = body.continued(np.maximum(relit, 0.0) + _DARK, (body.photo + _DARK) * small)
     if in_photo is not None:
         correction = _in_bounds(correction, body, small, resize_area(in_photo, relit.shape[:2]))
     correction = cv2.resize(np.exp(correction), guess.shape[1::-1], interpolation=cv2.INTER_LINEAR).reshape(guess.shape)

@@ -46,14 +46,14 @@ def exposure_of_face(photo: Photo, crop: Crop) -> float:
         crop: the paper's square around the face (section 3.2).
     """
     middle = Crop(crop.centre_x, crop.centre_y, _OF_CROP * crop.side)
-    seen = luminance(looked_at(photo, middle))
+    seen = luminance(sampled_pixels(photo, middle))
     third, tenth, fiftieth = (float(found) for found in np.percentile(seen, (70, 90, 98)))
     return _exposure(tenth, min(fiftieth, _GLARE * third), _MOST[photo.bits])
 
 
 def exposure_of_view(photo: Photo, view: Crop) -> float:
     """The same for a view in which a face may be anywhere: not 1 only if all of it is dark, or half is above white."""
-    seen = luminance(looked_at(photo, view))
+    seen = luminance(sampled_pixels(photo, view))
     return _exposure(float(np.percentile(seen, 95)), float(np.median(seen)), _MOST[photo.bits])
 
 
@@ -89,7 +89,7 @@ def exposed(linear: np.ndarray, exposure: float | np.ndarray, band: Band) -> np.
     return linear if exposure == 1.0 else linear * np.float32(exposure)
 
 
-def looked_at(photo: Photo, window: Crop) -> np.ndarray:
+def sampled_pixels(photo: Photo, window: Crop) -> np.ndarray:
     """Pixels (N, 3) of a window of a photo, spaced evenly over the part of it that is inside the photo's frame."""
     image = picture_pixels(photo)
     x0, y0, x1, y1 = in_picture(photo, window).window

@@ -103,7 +103,7 @@ def _from_outside(depth: np.ndarray, person: np.ndarray, face: np.ndarray, ratio
     has_skin = is_patch & (share_of_skin > _LEAST_SKIN)
     is_cast = _not_paint(has_skin, patches, skin, skin & ~shadow, ratios)
     is_whole = is_cast & (share_of_skin > _MUCH_SKIN)
-    kept = is_whole[patches] | _but_for_rims((is_cast & ~is_whole)[patches] & skin)
+    kept = is_whole[patches] | _without_rims((is_cast & ~is_whole)[patches] & skin)
     of_face = (kept & skin).sum() / max(skin.sum(), 1)
     if of_face < _LEAST_OF_FACE or _is_soft(depth, kept, on_person):
         return None
@@ -114,12 +114,12 @@ def _from_outside(depth: np.ndarray, person: np.ndarray, face: np.ndarray, ratio
 
 
 def _not_paint(
-    asked: np.ndarray, patches: np.ndarray, skin: np.ndarray, lit: np.ndarray, ratios: np.ndarray
+    in_question: np.ndarray, patches: np.ndarray, skin: np.ndarray, lit: np.ndarray, ratios: np.ndarray
 ) -> np.ndarray:
     """Which of the patches in question are not paint: their skin has the colour of lit skin once the shadow is removed.
 
     Args:
-        asked: (patches,) bool, the patches in question.
+        in_question: (patches,) bool, the patches in question.
         patches: (S, S) the number of the patch that each pixel is in.
         skin, lit: (S, S) bool, all of the face, and the part of it outside all shadows.
         ratios: as of `_from_outside`.
@@ -127,17 +127,17 @@ def _not_paint(
     Returns:
         (patches,) bool; all in question if too little skin is lit to tell.
     """
-    result = asked.copy()
+    result = in_question.copy()
     if lit.sum() < FEWEST_PIXELS:
         return result
     own = np.median(ratios[:, lit], 1)
-    for number in np.flatnonzero(asked):
+    for number in np.flatnonzero(in_question):
         off = np.median(ratios[:, (patches == number) & skin], 1) - own
         result[number] = np.abs(off).max() < _OFF_COLOUR
     return result
 
 
-def _but_for_rims(shadow: np.ndarray) -> np.ndarray:
+def _without_rims(shadow: np.ndarray) -> np.ndarray:
     """Shadows (S, S), bool, without thin rims, such as those of a beard that the parsing takes for skin."""
     return cv2.morphologyEx(shadow.astype(np.uint8), cv2.MORPH_OPEN, disc(_RIM_PX)) > 0
 

@@ -22,7 +22,7 @@ from relight_core.imaging.masks import largest_part
 from relight_core.imaging.ramp import ramp
 
 _SURELY_BODY, _PROBABLY_BODY, _PERHAPS_BODY, _NOBODY = 0.97, 0.6, 0.2, 0.02
-"""Prior probabilities of person beyond the nearest look (see `_around`)."""
+"""Prior probabilities of person beyond the nearest look (see `_prior_beyond`)."""
 _BESIDE_LEGS = 0.05
 """The largest prior beside the legs."""
 _LEGS_HALF_WIDTH = (0.1, 0.45)
@@ -54,17 +54,17 @@ _PERHAPS_ALIKE, _SURELY_ALIKE = 2.0, 3.0
 """Ramp of the mean log odds of a gap's colours, for the person around it against the background, over which it is
 closed."""
 
-_MOST_COLOURS_SAY, _MOST_FROM_AFAR = 2.0, 4.0
+_MOST_BY_COLOURS, _MOST_BEYOND = 2.0, 4.0
 """Largest change of log odds by colours: within the nearest looks, and, against the person, beyond them."""
-_NOBODYS = (3.5, 5.0)
+_ABSENT = (3.5, 5.0)
 """Ramp of log odds against the person over which a colour goes from rare on them to next to absent."""
 _DOUBTFUL = (3.0, 3.5)
 """Ramp of a mask's log odds over which it ceases to be in doubt."""
-_MOST_OF_NOBODYS = 6.0
+_MOST_IF_ABSENT = 6.0
 """Largest change of log odds by colours that are absent from the person, where the mask is in doubt. To networks hair
 is solid, and a blown-out wall between two curls would be relit as a grey haze. But they are less sure of it than of,
 say, a white collar in front of that wall."""
-_LEFT_BY_COLOURS = (0.05, 0.2)
+_GAP_BY_COLOURS = (0.05, 0.2)
 """Ramp of the probability of person after the correction by colour: below it a gap stays open whatever the mask says,
 above it the mask decides."""
 _ROUNDS = 2
@@ -207,7 +207,7 @@ def without_holes(matte: np.ndarray, placed: list[np.ndarray], likely: np.ndarra
         (h, w) float32, nowhere below the matte.
     """
     person = np.maximum.reduce([np.zeros_like(matte), *placed])
-    known = ramp(person, _NO_GAP_FROM, _SURE_FROM) * ramp(likely, *_LEFT_BY_COLOURS)
+    known = ramp(person, _NO_GAP_FROM, _SURE_FROM) * ramp(likely, *_GAP_BY_COLOURS)
     return matte + known * (closed(matte) - matte)
 
 
@@ -228,7 +228,7 @@ def without_lookalikes(matte: np.ndarray, guide: np.ndarray, undecided: np.ndarr
     """
     inside = cv2.erode((closed(matte) > _ENCLOSED).astype(np.uint8), _RIM) > 0
     inside |= _half_enclosed(np.maximum(matte, undecided))
-    return matte + _like_what_is_about(matte, inside & (matte < _WHOLE), guide) * (1 - matte)
+    return matte + _likeness_to_surroundings(matte, inside & (matte < _WHOLE), guide) * (1 - matte)
 
 
 def closed(matte: np.ndarray) -> np.ndarray:
@@ -254,7 +254,7 @@ def _half_enclosed(matte: np.ndarray) -> np.ndarray:
     return deep[parts]
 
 
-def _like_what_is_about(matte: np.ndarray, gaps: np.ndarray, guide: np.ndarray) -> np.ndarray:
+def _likeness_to_surroundings(matte: np.ndarray, gaps: np.ndarray, guide: np.ndarray) -> np.ndarray:
     """Certainty that each gap in a bool mask (h, w) has the colours of the person around it, (h, w) in [0, 1]."""
     surely = np.zeros_like(matte)
     _, parts, boxes, _ = cv2.connectedComponentsWithStats(gaps.astype(np.uint8))
@@ -291,7 +291,7 @@ def _placed(looks: list[Look], size: tuple[int, int], photo_size: tuple[int, int
     (person, view), *wider = looks
     seen = spread_crop(_in_range(person), view, whole)
     across, down = across_and_down(upright(view), size, photo_size)
-    beyond, below = _around(np.abs(across - 0.5), down - 1, seen), down > 1
+    beyond, below = _prior_beyond(np.abs(across - 0.5), down - 1, seen), down > 1
     for person_wider, wider_view in wider:
         told = _corrected_by(beyond, spread_crop(_in_range(person_wider), wider_view, whole))
         told = np.where(below, told, np.minimum(told, np.maximum(beyond, _AT_MOST_BESIDE)))
@@ -338,7 +338,7 @@ def _in_range(mask: np.ndarray) -> np.ndarray:
     return np.clip(np.nan_to_num(np.asarray(mask, np.float32)), 0.0, 1.0)
 
 
-def _around(across: np.ndarray, below: np.ndarray, placed: np.ndarray) -> np.ndarray:
+def _prior_beyond(across: np.ndarray, below: np.ndarray, placed: np.ndarray) -> np.ndarray:
     """The prior probability of person beyond a view, (h, w).
 
     Shoulders widen below a view, hair and hats continue above it, and nobody is far above or beside it, or below their
@@ -373,11 +373,11 @@ def _corrected_by_colour(guide: np.ndarray, prior: np.ndarray, face: np.ndarray,
     odds, in_doubt = prior, 1 - ramp(prior, *_DOUBTFUL)
     for _ in range(_ROUNDS):
         likely = 1 / (1 + np.exp(-odds))
-        told = log_odds(bins, *(shares_of(bins, _sure(side) * near) for side in (likely, 1 - likely)))
-        nobodys = in_doubt * ramp(-told, *_NOBODYS)
-        nearby = _MOST_COLOURS_SAY + (_MOST_OF_NOBODYS - _MOST_COLOURS_SAY) * nobodys
-        most = (_MOST_FROM_AFAR + (nearby - _MOST_FROM_AFAR) * near) * (1 - face)
-        odds = prior + np.clip(told, -most, _MOST_COLOURS_SAY)
+        colour_odds = log_odds(bins, *(shares_of(bins, _sure(side) * near) for side in (likely, 1 - likely)))
+        absent = in_doubt * ramp(-colour_odds, *_ABSENT)
+        nearby = _MOST_BY_COLOURS + (_MOST_IF_ABSENT - _MOST_BY_COLOURS) * absent
+        most = (_MOST_BEYOND + (nearby - _MOST_BEYOND) * near) * (1 - face)
+        odds = prior + np.clip(colour_odds, -most, _MOST_BY_COLOURS)
     return (1 / (1 + np.exp(-odds))).astype(np.float32)
 
 

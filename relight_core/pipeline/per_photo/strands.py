@@ -123,33 +123,33 @@ def strands_of(
     Returns:
         None if no hair is clearly darker than what lies behind it.
     """
-    told, trust = share.copy(), np.zeros_like(share)
+    combined, trust = share.copy(), np.zeros_like(share)
     for head in heads:
-        rows, columns = window = _both(window_of(head.view, photo_size, share.shape), inside)
+        rows, columns = window = _intersection(window_of(head.view, photo_size, share.shape), inside)
         head_px = head.head_px * max(share.shape) / max(photo_size)
         if head_px < _LEAST_HEAD_PX or 0 in share[window].shape:
             continue
         band = Band(rows.start, rows.stop, share.shape, photo_size, (columns.start, columns.stop))
-        masks = (spread_crop(_ending(mask), head.view, band) for mask in (head.hair, head.others))
-        found, surely = _told_apart(guide[window], share[window], *masks, head_px)
+        masks = (spread_crop(_zero_outside(mask), head.view, band) for mask in (head.hair, head.others))
+        found, surely = _separated(guide[window], share[window], *masks, head_px)
         surer = surely > trust[window]
-        told[window][surer], trust[window][surer] = found[surer], surely[surer]
-    return Strands(told, trust) if trust.any() else None
+        combined[window][surer], trust[window][surer] = found[surer], surely[surer]
+    return Strands(combined, trust) if trust.any() else None
 
 
-def _both(window: Inside, inside: Inside | None) -> Inside:
+def _intersection(window: Inside, inside: Inside | None) -> Inside:
     """The intersection of two windows, empty if they don't overlap."""
     parts = zip(window, window if inside is None else inside, strict=True)
     ends = [(max(one.start, other.start), min(one.stop, other.stop)) for one, other in parts]
     return tuple(slice(start, max(start, stop)) for start, stop in ends)
 
 
-def _ending(mask: np.ndarray) -> np.ndarray:
+def _zero_outside(mask: np.ndarray) -> np.ndarray:
     """A mask (S, S) with a border of 0, which resampling then repeats outside the view."""
     return np.pad(mask[1:-1, 1:-1], 1)
 
 
-def _told_apart(
+def _separated(
     guide: np.ndarray, share: np.ndarray, hair: np.ndarray, others: np.ndarray, head_px: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """`Strands.share` and `Strands.trust` of one head; the arguments are parts, (h, w) or (h, w, 3), around it."""
@@ -164,11 +164,11 @@ def _told_apart(
         for one in (sides.behind, sides.toward, sides.distance, sides.low, sides.high)
     )
     toward /= np.maximum(np.linalg.norm(toward, axis=-1, keepdims=True), 1e-3)
-    way, off = _along(guide[at] - behind, toward)
-    told = share.copy()
-    told[at] = ramp(way, low, high)
-    trust[at] *= _between(way, off, low, far)
-    return told, trust
+    position, aside = _along(guide[at] - behind, toward)
+    found = share.copy()
+    found[at] = ramp(position, low, high)
+    trust[at] *= _between(position, aside, low, far)
+    return found, trust
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,11 +204,11 @@ def _sides_about(guide: np.ndarray, share: np.ndarray, hair: np.ndarray, head_px
         colour, hair_seen = _mean(guide, of_hair, reach)
         distance = np.maximum(np.linalg.norm(colour - behind, axis=-1), 1e-3)
         toward = (colour - behind) / distance[..., None]
-        way, _ = _along(guide - behind, toward)
+        position, _ = _along(guide - behind, toward)
         if again < _ROUNDS:
-            of_hair = of_hair * ramp(way / distance, 0.3, 0.6)
-    spread = np.sqrt(_mean(np.square(way - distance), of_hair, reach)[0])
-    spread_behind = np.sqrt(_mean(np.square(way), of_behind, reach)[0])
+            of_hair = of_hair * ramp(position / distance, 0.3, 0.6)
+    spread = np.sqrt(_mean(np.square(position - distance), of_hair, reach)[0])
+    spread_behind = np.sqrt(_mean(np.square(position), of_behind, reach)[0])
     low = np.minimum(_SPREAD_BEHIND * spread_behind + _CODES, _ALL_BEHIND * distance)
     high = np.maximum(distance - _SPREAD_OF_HAIR * spread - _CODES, _ALL_HAIR * distance)
     certainty = ramp(distance / (spread + spread_behind + _CODES), *_DISTINCT) * ramp(distance, *_PLAIN)
@@ -220,13 +220,14 @@ def _trust(
     sides: _Sides, guide: np.ndarray, share: np.ndarray, hair: np.ndarray, others: np.ndarray, head_px: float
 ) -> np.ndarray:
     """The weight of colours, (k, l) in [0, 1]: near the outline, and inside of it only at gaps."""
-    way, off = _along(guide - sides.behind, sides.toward)
+    position, aside = _along(guide - sides.behind, sides.toward)
     outside = share <= 0.5
     reach = 1 - ramp(distance_to(outside) / head_px, *_DEEP)
-    looked_through = (sides.certainty * reach > 0.5) & (_between(way, off, sides.low, sides.distance) > _SURELY_BETWEEN)
-    gaps = looked_through & (ramp(way, sides.low, sides.high) < _GAP)
-    shut_in = gaps & (sides.behind.mean(-1) > _BRIGHT) & (distance_to(outside) < _BESIDE * head_px)
-    gaps = _hanging_together(outside, gaps) | shut_in
+    between = _between(position, aside, sides.low, sides.distance)
+    see_through = (sides.certainty * reach > 0.5) & (between > _SURELY_BETWEEN)
+    gaps = see_through & (ramp(position, sides.low, sides.high) < _GAP)
+    enclosed = gaps & (sides.behind.mean(-1) > _BRIGHT) & (distance_to(outside) < _BESIDE * head_px)
+    gaps = _connected(outside, gaps) | enclosed
     near = reach * (1 - ramp(distance_to(gaps) / head_px, *_BY_A_GAP))
     near *= 1 - ramp(distance_to(~outside) / head_px, *_FAR_OUT)
     hairy = ramp(cv2.dilate(hair, disc(0.01 * head_px)), *_HAIR)
@@ -235,17 +236,17 @@ def _trust(
     return (sides.certainty * near * hairy * not_others).astype(np.float32)
 
 
-def _between(way: np.ndarray, off: np.ndarray, low: np.ndarray, distance: np.ndarray) -> np.ndarray:
+def _between(position: np.ndarray, aside: np.ndarray, low: np.ndarray, distance: np.ndarray) -> np.ndarray:
     """Certainty in [0, 1] that a colour is a mix of both sides': 0 beside the line between them or beyond `behind`.
 
     Args:
-        way, off: of the colour, see `_along`.
+        position, aside: of the colour, see `_along`.
         low, distance: as of `_Sides`.
     """
-    return 1 - ramp((off + np.maximum(-way - low, 0)) / distance, *_OTHER_COLOUR)
+    return 1 - ramp((aside + np.maximum(-position - low, 0)) / distance, *_OTHER_COLOUR)
 
 
-def _hanging_together(outside: np.ndarray, gaps: np.ndarray) -> np.ndarray:
+def _connected(outside: np.ndarray, gaps: np.ndarray) -> np.ndarray:
     """The outside together with the gaps that are connected to it, (k, l) bool."""
     _, pieces = cv2.connectedComponents((outside | gaps).astype(np.uint8))
     return (pieces > 0) & np.isin(pieces, pieces[outside])
@@ -253,8 +254,8 @@ def _hanging_together(outside: np.ndarray, gaps: np.ndarray) -> np.ndarray:
 
 def _along(colour: np.ndarray, toward: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The component of colours (..., 3) along a unit vector (..., 3), and their distance from its line, (...) each."""
-    way = (colour * toward).sum(-1)
-    return way, np.linalg.norm(colour - way[..., None] * toward, axis=-1)
+    position = (colour * toward).sum(-1)
+    return position, np.linalg.norm(colour - position[..., None] * toward, axis=-1)
 
 
 def _mean(image: np.ndarray, weight: np.ndarray, reach_px: float) -> tuple[np.ndarray, np.ndarray]:
