@@ -151,8 +151,8 @@ def _edge(radius: float, side: int) -> np.ndarray:
     """The mean of a ring just outside minus that of one just inside a circle's arc, left (-1) or right (1)."""
     x, y = _grid(radius + 2 * _STEP_PX)
     angle, distance = np.degrees(np.arctan2(y, np.abs(x))), np.hypot(x, y)
-    asked = (angle > _ARC_DEG[0]) & (angle < _ARC_DEG[1]) & (side * x > 0)
-    rings = [asked * np.clip(1 - np.abs(distance - radius - step) / _RING_PX, 0, 1) for step in (_STEP_PX, -_STEP_PX)]
+    on_arc = (angle > _ARC_DEG[0]) & (angle < _ARC_DEG[1]) & (side * x > 0)
+    rings = [on_arc * np.clip(1 - np.abs(distance - radius - step) / _RING_PX, 0, 1) for step in (_STEP_PX, -_STEP_PX)]
     outside, inside = (ring / ring.sum() for ring in rings)
     return (outside - inside).astype(np.float32)
 

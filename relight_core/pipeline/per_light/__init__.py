@@ -1,1 +1,1 @@
-"""What every new light asks for: what SS and composition are told, and what is done to their answers."""
+"""What is computed for every new light: inputs of SS and composition, and what is done with their results."""

@@ -41,9 +41,9 @@ def with_hair_on_scalp(surface: Surface) -> Surface:
     if min(hair.sum(), skin.sum()) < _FEWEST_PIXELS:
         return surface
     bins = bins_of(srgb_encode(surface.photo[0].movedim(0, -1).float().cpu().numpy()))
-    told = log_odds(bins, shares_of(bins, hair), shares_of(bins, skin)).astype(np.float32)
-    told = cv2.blur(told, (_AROUND_PX, _AROUND_PX))
-    likely = torch.from_numpy(ramp(told, _PERHAPS_HAIR, _HAIR)).to(surface.parsing)
+    hair_odds = log_odds(bins, shares_of(bins, hair), shares_of(bins, skin)).astype(np.float32)
+    hair_odds = cv2.blur(hair_odds, (_AROUND_PX, _AROUND_PX))
+    likely = torch.from_numpy(ramp(hair_odds, _PERHAPS_HAIR, _HAIR)).to(surface.parsing)
     share = surface.parsing[:, INDEX["neck"], None] * above * likely
     return replace(surface, parsing=with_neck_as(surface.parsing, "hair", share))
 

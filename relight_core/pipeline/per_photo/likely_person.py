@@ -293,9 +293,9 @@ def _placed(looks: list[Look], size: tuple[int, int], photo_size: tuple[int, int
     across, down = across_and_down(upright(view), size, photo_size)
     beyond, below = _prior_beyond(np.abs(across - 0.5), down - 1, seen), down > 1
     for person_wider, wider_view in wider:
-        told = _corrected_by(beyond, spread_crop(_in_range(person_wider), wider_view, whole))
-        told = np.where(below, told, np.minimum(told, np.maximum(beyond, _AT_MOST_BESIDE)))
-        beyond = np.where(_inside(wider_view, size, photo_size), told, beyond)
+        corrected = _corrected_by(beyond, spread_crop(_in_range(person_wider), wider_view, whole))
+        corrected = np.where(below, corrected, np.minimum(corrected, np.maximum(beyond, _AT_MOST_BESIDE)))
+        beyond = np.where(_inside(wider_view, size, photo_size), corrected, beyond)
     return np.where(_inside(view, size, photo_size), seen, beyond).astype(np.float32)
 
 
@@ -326,10 +326,10 @@ def _inside(view: Crop, size: tuple[int, int], photo_size: tuple[int, int]) -> n
     return (across >= 0) & (across < 1) & (down >= 0) & (down < 1)
 
 
-def _corrected_by(guess: np.ndarray, told: np.ndarray) -> np.ndarray:
+def _corrected_by(guess: np.ndarray, wider: np.ndarray) -> np.ndarray:
     """A prior probability corrected by a wider look's, as far as its log odds exceed the thresholds of doubt."""
-    told = np.clip(told, _SUREST, 1 - _SUREST)
-    odds = np.log(told / (1 - told))
+    wider = np.clip(wider, _SUREST, 1 - _SUREST)
+    odds = np.log(wider / (1 - wider))
     beyond_doubt = np.maximum(odds - _DOUBTED, 0) + np.minimum(odds + _DENIED, 0)
     return 1 / (1 + (1 - guess) / guess * np.exp(-beyond_doubt))
 

@@ -99,13 +99,13 @@ def outline_person(
     inside = inside_photo(in_picture(photo, view), picture_size(photo), _SIZE)
     seen = srgb_encode(np.clip(network_view(photo, view, _SIZE, exposure), 0, 1)) * inside[..., None]
     planes = np.dstack([seen, inside, face_in_view(view, crop, _SIZE)]).astype(np.float32)
-    stacked = torch.cat([_turned_over(as_tensor(planes, device), mirror) for mirror in mirrors])
+    stacked = torch.cat([_mirrored_if(as_tensor(planes, device), mirror) for mirror in mirrors])
     logits = in_precision(bundle, device).person(stacked[:, :3], stacked[:, 3:4], stacked[:, 4:])
-    said = torch.stack([_turned_over(look, mirror) for look, mirror in zip(logits, mirrors, strict=True)])
-    return Outline(torch.sigmoid(said.mean(0))[0].cpu().numpy(), view)
+    aligned = torch.stack([_mirrored_if(look, mirror) for look, mirror in zip(logits, mirrors, strict=True)])
+    return Outline(torch.sigmoid(aligned.mean(0))[0].cpu().numpy(), view)
 
 
-def _turned_over(image: torch.Tensor, mirror: bool) -> torch.Tensor:
+def _mirrored_if(image: torch.Tensor, mirror: bool) -> torch.Tensor:
     return image.flip(-1) if mirror else image
 
 
