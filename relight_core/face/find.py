@@ -101,6 +101,7 @@ class FaceBox:
 
 
 Judge = Callable[[FaceBox], bool]
+"""Says whether a box holds a face."""
 
 
 class _InDoubtError(Exception):
@@ -219,12 +220,14 @@ def guess_companions(photo: Photo, known: Sequence[FaceBox]) -> list[FaceBox]:
 
 
 def _in_the_same_place(guess: FaceBox, known: FaceBox) -> bool:
+    """Whether a guess is so near to a known face that both are the same."""
     across = abs(guess.x0 + guess.x1 - known.x0 - known.x1) / 2
     down = abs(guess.y0 + guess.y1 - known.y0 - known.y1) / 2
     return across < _BESIDE * known.width and down < _BESIDE * known.height
 
 
 def _search(photo: Photo, is_face: Judge) -> list[FaceBox]:
+    """`find_faces`, without remembering the result."""
     grey, scale = _detection_view(photo.linear, _LONG_SIDE_PX, _LARGEST_GROWTH)
     if min(grey.shape) < _LEAST_SIDE_PX:
         return []
@@ -252,6 +255,7 @@ def _is_sure(candidate: Candidate) -> bool:
 
 
 def _boxes(found: list[Candidate], scale: float) -> list[FaceBox]:
+    """The plausible candidates in an image of this scale as boxes in the photo, the best first."""
     return [_in_photo(candidate, scale) for candidate in _plausible(sorted(found, key=_weight, reverse=True))]
 
 

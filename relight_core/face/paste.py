@@ -260,6 +260,7 @@ def _on_pixels(
 
 
 def _whole(low: float, high: float) -> tuple[int, int]:
+    """An interval rounded to whole pixels, at least one long."""
     first = round(low)
     return first, max(round(high), first + 1)
 
@@ -274,8 +275,10 @@ def _looked_up(maps: np.ndarray, matrix: np.ndarray, size: int, into: np.ndarray
 
 
 def _to_photo(view: Crop, size: int) -> np.ndarray:
+    """(2, 3) affine map from positions in a view of size x size to the photo."""
     return cv2.invertAffineTransform(view.from_photo_matrix(size))
 
 
 def _square(matrix: np.ndarray) -> np.ndarray:
+    """A (2, 3) affine map as a (3, 3) matrix, which can be multiplied."""
     return np.vstack([matrix, [0.0, 0.0, 1.0]])

@@ -12,6 +12,7 @@ from relight_core.lighting.environment import Environment
 from relight_core.lighting.sphere import place_on_map
 
 _SMALLEST_SIDE = 64
+"""Pixels that a view's longer side is drawn with at least, unless the picture is smaller."""
 _WIDE_SIDE = 1024
 """Pixels that a view is drawn with at most just to show all texels in its middle; beyond that, and in small pictures,
 the map is averaged first."""
@@ -96,6 +97,7 @@ def _no_finer_than_pixels(panorama: np.ndarray, focal: float) -> np.ndarray:
 
 
 def _deviation_px(blur_deg: float, focal: float, side: int) -> float:
+    """The blur's standard deviation in pixels of a drawing with that focal length and longer side."""
     wanted = focal * math.tan(math.radians(min(blur_deg, _WIDEST_BLUR_DEG)))
     return min(wanted, _WIDEST_BLUR_SIDES * side)
 

@@ -12,6 +12,7 @@ import torch
 import torch.nn.functional as F
 
 _SOURCES = 32
+"""Cells along a side of the image from which light is gathered."""
 _NEAREST = 0.75
 """In widths of a source cell: no distance counts as less. A nearer cell surrounds the point it lights, and the form
 factor of two points would grow without bound."""

@@ -10,6 +10,7 @@ COARSE_HEIGHT = 64
 """Panoramas with fewer rows, such as estimated lights, would show their texels as blocks."""
 
 _ROUNDS = 4
+"""Corrections of the interpolated map before the last, exact one."""
 _TINY = np.float32(1e-12)
 
 

@@ -33,6 +33,7 @@ _AHEAD = 1.25
 """A lamp must give so many times as much light as the strongest one left out to keep its full hardness, so that nothing
 jumps when two lamps swap ranks."""
 _NO_HARDNESS = 1e-3
+"""Lamps with no more hardness than this are dropped."""
 
 _CORE_DEG, AROUND_DEG, BEYOND_DEG = 6.0, 12.0, 18.0
 """Angles from a lamp's centre: up to the first, light is wholly the lamp's; from the second on, not at all. The ring
@@ -117,6 +118,7 @@ def footprint(lamp: Lamp, roll_deg: float = 0.0) -> np.ndarray:
 
 
 def _footprint_of_disc(lamp: Lamp, height: int) -> np.ndarray:
+    """`footprint` of a uniform disc: points on it, each divided bilinearly among four texels of (height, 2 height)."""
     share = np.zeros((height, 2 * height), np.float32)
     for across, down in zip(*place_on_map(*_disc(lamp).T), strict=True):
         column, row = across * 2 * height - 0.5, min(max(down * height - 0.5, 0.0), height - 1.0)
@@ -182,6 +184,7 @@ class _Place:
 
 
 def _sky(shape: np.ndarray, coarser: tuple[np.ndarray, ...]) -> _Sky:
+    """The panorama to search, from a light's shape and its `Environment.coarser_parts`."""
     grey = _grey(shape, min(len(shape), _ROWS))
     own = (180 / len(grey)) ** 2
     squared = np.full(grey.shape, own)
@@ -194,6 +197,7 @@ def _sky(shape: np.ndarray, coarser: tuple[np.ndarray, ...]) -> _Sky:
 
 
 def _grey(radiance: np.ndarray, rows: int) -> np.ndarray:
+    """Luminance of a panorama at so many rows, float64."""
     fine = shrink(radiance, rows) if len(radiance) != rows else radiance
     return luminance(fine).astype(np.float64)
 
@@ -263,6 +267,7 @@ def _claims(places: list[_Place], around: np.ndarray) -> np.ndarray:
 
 
 def _strength(lamp: Lamp) -> float:
+    """What lamps are ranked by: their light, weighted by hardness."""
     return lamp.irradiance * lamp.hardness
 
 
@@ -312,4 +317,5 @@ def _alone(sky: _Sky, near: np.ndarray, radiance: np.ndarray) -> Environment:
 
 
 def _smallness(radius_deg: float) -> float:
+    """The hardness in [0, 1] that follows from a lamp's size alone."""
     return ramp(radius_deg, *_RADIUS_DEG)

@@ -14,6 +14,7 @@ BLURRED_HEIGHT = 128
 """Rows a blurred map keeps at most."""
 
 _BALANCING_STEPS = 60
+"""Iterations in which the kernel is balanced."""
 
 
 def blur_light(radiance: np.ndarray, blur_deg: float) -> np.ndarray:
@@ -47,6 +48,7 @@ def blur_light(radiance: np.ndarray, blur_deg: float) -> np.ndarray:
 
 
 def _blurred(small: np.ndarray, blur_deg: float) -> np.ndarray:
+    """A map (h, 2h, C) blurred by a kernel of at least half a texel."""
     kernel = _kernel(small.shape[0], blur_deg)
     spectrum = np.fft.rfft(small, axis=1)
     mixed = np.einsum("ijm,jmc->imc", kernel, spectrum, optimize=True)

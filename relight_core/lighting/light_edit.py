@@ -176,5 +176,6 @@ def colour_gain(warmth: float, tint: float) -> np.ndarray:
 
 
 def _drawn(boxes: tuple[SoftBox, ...], unit: float, draft: bool) -> np.ndarray:
+    """The soft boxes on a black panorama; `unit` is the luminance of an intensity of 1, where 0 counts as 1."""
     height = DRAFT_HEIGHT if draft else DRAWN_HEIGHT
     return sum(soft_box_radiance(box, height, unit or 1.0) for box in boxes)

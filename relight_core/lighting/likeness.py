@@ -10,6 +10,7 @@ import torch
 from relight_core.lighting.sphere import directions, solid_angles
 
 _LOBE = 4
+"""Exponent of the cosine lobe that smooths both lights."""
 
 
 def likeness(first: torch.Tensor, second: torch.Tensor) -> float:

@@ -84,6 +84,7 @@ def _as_box(lamp: AreaLight, unit: float) -> SoftBox:
 
 
 def _small_lamps(light: Environment) -> tuple[Lamp, ...]:
+    """The small lamps of a panorama that give enough light to be worth moving, at most 4."""
     # A bright place beside a sun, such as a cloud's rim, may have hardness but give next to no light.
     return tuple(lamp for lamp in bright_places(light) if lamp.irradiance / 4 > _LEAST_SHARE)[:MOST_LAMPS]
 

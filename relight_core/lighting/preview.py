@@ -97,12 +97,14 @@ def _shade(normals: np.ndarray, light: np.ndarray) -> np.ndarray:
 
 
 def _shade_block(normals: np.ndarray, toward: np.ndarray, power_and_area: np.ndarray) -> np.ndarray:
+    """`_shade` of a few normals, with the light as `_flat` returns it."""
     mirrored = 2 * normals[:, 2:3] * normals - np.array([0, 0, 1], np.float32)
     fresnel = _REFLECTANCE + (1 - _REFLECTANCE) * (1 - normals[:, 2:3]) ** 5
     return _matte(normals, toward, power_and_area) + fresnel * _gloss(mirrored, toward, power_and_area, _LOBE_DOUBLINGS)
 
 
 def _matte(normals: np.ndarray, toward: np.ndarray, power_and_area: np.ndarray) -> np.ndarray:
+    """Lambertian radiance (N, 3) at normals (N, 3)."""
     return np.maximum(normals @ toward.T, 0) @ power_and_area[:, :3] * (_ALBEDO / np.pi)
 
 

@@ -17,6 +17,7 @@ from relight_core.lighting.response import response_to
 from relight_core.lighting.sphere import directions, solid_angles
 
 TABLE_SIZE = 64
+"""T, cells along a side of the table."""
 _TABLE_EXTENT = 1.15
 """The table's axes reach from minus this to this; the silhouette, n_z = 0, is at a radius of 1."""
 

@@ -273,6 +273,7 @@ def _colour(table: dict[str, Any], key: str, where: str) -> Colour:
 
 
 def _lamp_colour(table: dict[str, Any], where: str, white: float) -> Colour:
+    """A lamp's colour, given as `colour` or as `kelvin` under a white balance."""
     if ("colour" in table) == ("kelvin" in table):
         raise InputError(f"{where}: needs either colour or kelvin")
     if "colour" in table:

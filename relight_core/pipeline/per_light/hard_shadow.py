@@ -98,7 +98,6 @@ def harden_shadow(
 
     Args:
         effects, reflected: as of `hints.explicit_sum`.
-        surface: under the light.
         light: (1, 16, 32, 3) the light of these effects, in the view's camera space.
         view: the surface, prepared by `ready_for_lamps`.
         lamps: of the light, in the camera space of the photo.

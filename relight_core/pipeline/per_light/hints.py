@@ -279,4 +279,5 @@ def _at_odds(share: torch.Tensor, ratio: torch.Tensor) -> torch.Tensor:
 
 
 def _odds_ratio(one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
+    """The odds of one share over those of another."""
     return (one * (1 - other)).clamp_min(_NOTHING) / (other * (1 - one)).clamp_min(_NOTHING)

@@ -139,7 +139,6 @@ def find_residual(
     """Compare a photo with its model.
 
     Args:
-        surface: of the view.
         recorded: (1, 3, S, S) the view at the surface's size, linear, without shadows from outside. Unlike the
             surface's own photo it is not clipped, and may exceed 1.
         source_light: (1, 16, 32, 3) the photo's estimated light.

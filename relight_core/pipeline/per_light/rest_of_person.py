@@ -33,6 +33,7 @@ _WELL_SEEN, _HEADROOM = 0.1, 0.1
 """Below this luminance of the photo, and within this distance from clipping, a correction has less weight, down to
 `_FLOOR`."""
 _FLOOR = 0.02
+"""Smallest such weight."""
 _HARDLY, _UNSEEN = (0.02, 0.1), 1e-3
 """Ramp of a channel's value over the brightest channel's, from the weight `_UNSEEN` to full weight: the gain of a dark
 channel says little. For example, gloss on red cloth is twenty times its green, and would turn white cloth beside it

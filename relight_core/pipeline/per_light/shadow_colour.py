@@ -43,6 +43,7 @@ def shadow_colour_odds(transport: ReliefTransport, light: torch.Tensor, reflecte
 
 
 def _odds(share: torch.Tensor) -> torch.Tensor:
+    """The odds of a share in [0, 1], finite at both ends."""
     return (share + _DOUBT) / (1 - share + _DOUBT)
 
 

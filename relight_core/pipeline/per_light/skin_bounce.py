@@ -40,4 +40,5 @@ def interreflection(bounce: Bounce, radiance: torch.Tensor, albedo: torch.Tensor
 
 
 def _shrunk(image: torch.Tensor) -> torch.Tensor:
+    """An image (1, C, S, S) averaged to at most `_RECEIVERS` pixels along a side."""
     return F.interpolate(image.float(), size=min(_RECEIVERS, image.shape[-1]), mode="area")

@@ -175,6 +175,7 @@ def specular_gain(gain: float, tint: float, device: torch.device | str = "cpu") 
 
 
 def _within_surfaces(hidden: np.ndarray, relief: np.ndarray, person: np.ndarray, softness: float) -> np.ndarray:
+    """A hidden share (S, S) blurred by a softness, without crossing steps of the relief or the person's outline."""
     hidden, deviation_px = np.nan_to_num(hidden), softness * _WIDEST * hidden.shape[0]
     guide = np.ascontiguousarray(np.dstack([relief, _OUTLINE * person]), np.float32)
     # The recursive variant, since the others have windows of whole pixels, with which the slider would jump.

@@ -207,6 +207,7 @@ def _searched(photo: Photo, eyes: Eyes) -> list[FaceBox]:
 
 
 def _same_place(place: FaceBox, other: FaceBox) -> bool:
+    """Whether two windows of the search lead to the same place."""
     corners = [np.array([box.x0, box.y0, box.x1, box.y1]) for box in (place, other)]
     return overlap(*corners) > _SAME_PLACE
 

@@ -335,6 +335,7 @@ def _corrected_by(guess: np.ndarray, wider: np.ndarray) -> np.ndarray:
 
 
 def _in_range(mask: np.ndarray) -> np.ndarray:
+    """A mask as float32 in [0, 1], without NaN."""
     return np.clip(np.nan_to_num(np.asarray(mask, np.float32)), 0.0, 1.0)
 
 

@@ -67,6 +67,7 @@ class Portrait:
         return self.photo.monochrome or self._is_grey()
 
     def _is_grey(self) -> bool:
+        """Whether the crop of the face has no colour."""
         seen = picture_view(self.photo, self.crop, _LOOKED_AT_PX) * np.float32(self.exposure)
         return is_grey(srgb_encode(np.clip(seen, 0, 1)))
 
