@@ -364,4 +364,14 @@ def compose(
     diffuse, gloss = grey(surface.albedo * reflected[:, :3]), grey(reflected[:, 3:])
     doubtful = doubtful_shadow(effects, diffuse, gloss, surface.bare_skin)
     shown = (surface.albedo, surface.normal, effects.specular * specular, doubtful * shadow, plain)
-    return Composed(networks.composition(*shown, light), plain)
+    return Composed(_darkened_evenly(networks.composition(*shown, light), plain), plain)
+
+
+def _darkened_evenly(image: torch.Tensor, plain: torch.Tensor) -> torch.Tensor:
+    """An image (1, 3, S, S) of which no channel has lost a larger share of the explicit sum's than its luminance has.
+
+    Near black the network's encoding is linear, and the same correction of all channels took away all of the blue that
+    brown hair has: it turned olive in the shade.
+    """
+    kept = (grey(image) / grey(plain).clamp_min(1e-6)).clamp_max(1)
+    return torch.maximum(image, kept * plain)

@@ -1,6 +1,7 @@
 """Specular, shadow, their sum and the sliders, on arbitrary surfaces."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 import torch
@@ -289,6 +290,38 @@ def test_a_place_that_light_surely_does_not_reach_is_composed_as_if_it_faced_awa
     away = composed(0.2, 0.0)
     torch.testing.assert_close(composed(4.2, 2.0, by_relief=one), away, rtol=1e-3, atol=1e-4)
     assert (composed(4.2, 2.0) - away).abs().max() > 0.01
+
+
+def composed_by(correct, colour):
+    """What composition makes of a surface of an explicit sum (3,), of which the network makes `correct` of it, (3,)."""
+    one = torch.ones(1, 1, 4, 4)
+    albedo = torch.tensor(colour)[None, :, None, None].expand(1, 3, 4, 4)
+    parsing = torch.zeros(1, len(INDEX), 4, 4)
+    surface = Surface(albedo, albedo, torch.ones_like(albedo), 0 * one, parsing, one, torch.ones(1, 16, 32, 3))
+    networks = SimpleNamespace(composition=lambda albedo, normal, specular, shadow, plain, light: correct(plain))
+    reflected = torch.cat([torch.ones(1, 3, 4, 4), torch.zeros(1, 3, 4, 4)], 1)
+    composed = stages.compose(networks, surface, reflected, Effects(0 * one, 0 * one), surface.source_light)
+    torch.testing.assert_close(composed.plain, albedo)
+    return composed.image[0, :, 2, 2].tolist()
+
+
+def test_brown_hair_stays_brown_where_composition_darkens_it():
+    def darker(plain):
+        return torch.expm1((torch.log1p(20 * plain) - 0.21).clamp_min(0)) / 20
+
+    # By itself this leaves 0.0254, 0.0148 and 0.0003, which is 0.51 of the luminance and 0.02 of the blue.
+    relit = composed_by(darker, (0.043, 0.030, 0.012))
+    assert relit == pytest.approx([0.0254, 0.51 * 0.030, 0.51 * 0.012], rel=0.01)
+
+
+def test_what_composition_adds_is_as_the_network_has_it_and_no_channel_loses_by_it():
+    assert composed_by(lambda plain: plain + 0.1, (0.2, 0.1, 0.0)) == pytest.approx([0.3, 0.2, 0.1])
+    redder = torch.tensor([1.4, 0.95, 1.0])[None, :, None, None]
+    assert composed_by(lambda plain: plain * redder, (0.2, 0.1, 0.1)) == pytest.approx([0.28, 0.1, 0.1])
+
+
+def test_what_composition_blackens_is_black():
+    assert composed_by(torch.zeros_like, (0.2, 0.1, 0.0)) == [0, 0, 0]
 
 
 def test_only_diffuse_light_counts_as_lifted_and_softening_lifts_it_too(scene):
