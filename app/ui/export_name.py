@@ -51,17 +51,30 @@ def named_place(typed: str, suggested: Path, suffix: str | None) -> Path:
         suffix: the kind of file it becomes; None leaves it as it was typed.
     """
     path = suggested.parent / from_home(Path(typed))
-    if typed.endswith(_SLASHES) and typed.strip("".join(_SLASHES)):
+    if _is_folder(typed):
         path /= suggested.name
-    elif not typed or Path(typed).name in ("", "~", ".."):
+    elif not _is_name(typed):
         path = suggested
     return path if suffix is None else named_as(path, suffix)
+
+
+def _is_folder(typed: str) -> bool:
+    return typed.endswith(_SLASHES) and bool(typed.strip("".join(_SLASHES)))
+
+
+def _is_name(typed: str) -> bool:
+    return Path(typed).name not in ("", "~", "..")
 
 
 def suggested_place(state: EditorState) -> Path:
     """Where a picture of the open photo goes that is not named otherwise: beside it, as a PNG."""
     opened = state.snapshot.opened
     return default_export_path(opened.source.path if opened else None)
+
+
+def suggested_name(state: EditorState) -> str:
+    """What stands in the line unless something else is typed there."""
+    return suggested_place(state).with_suffix(state.export.form).name
 
 
 def export_place(state: EditorState, suffix: str | None = None) -> Path:
@@ -77,8 +90,13 @@ def choose_form(state: EditorState, suffix: str) -> None:
 
 
 def take_named_form(state: EditorState) -> None:
-    """Once a name is typed: export the kind of file that it says. A space behind it is no part of it."""
+    """Once a name is typed: export the kind of file that it says. A space behind it is no part of it.
+
+    Where what is typed names nothing, the name that the picture has then is in sight instead.
+    """
     state.export_path = state.export_path.rstrip()
+    if not _is_folder(state.export_path) and not _is_name(state.export_path):
+        state.export_path = suggested_name(state)
     form = form_named(state.export_path)
     if form is not None and form != state.export.form:
         choose_form(state, form)

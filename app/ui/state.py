@@ -16,7 +16,7 @@ from app.ui.angles import wrap_degrees
 from app.ui.asking import Asking, FileRequest
 from app.ui.brush_edits import BrushTool
 from app.ui.channels import PHOTO, RESULT, WHOLE_PHOTO, following
-from app.ui.export_name import suggested_place
+from app.ui.export_name import suggested_name
 from app.ui.face_edits import FaceTool
 from app.ui.falling_back import fall_back, give_up_what_is_on_its_way
 from app.ui.in_motion import edit_in_motion
@@ -345,7 +345,7 @@ class EditorState:
         if snapshot.light and snapshot.light.source.is_from_file:
             self._remember(snapshot.light.source)
         if snapshot.opened and (opened_before is None or snapshot.opened.photo is not opened_before.photo):
-            self.export_path = suggested_place(self).with_suffix(self.export.form).name
+            self.export_path = suggested_name(self)
             self.shown = RESULT
             self.aim = AimTool(refusal=self.aim.refusal)
             self.photo_left = None

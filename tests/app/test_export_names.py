@@ -91,6 +91,24 @@ def test_a_space_behind_a_name_that_is_typed_is_no_part_of_it(state, tmp_path, t
     assert export_place(state, state.export.form) == tmp_path / name
 
 
+@pytest.mark.parametrize("typed", ["", "  ", "/", ".", "..", "~"])
+def test_where_what_was_typed_names_nothing_the_suggested_name_comes_back_into_sight(state, typed):
+    state.export_path = typed
+    take_named_form(state)
+    assert (state.export.form, state.export_path) == (".png", "~me-relit.png")
+    choose_form(state, ".jpg")
+    state.export_path = typed
+    take_named_form(state)
+    assert (state.export.form, state.export_path) == (".jpg", "~me-relit.jpg")
+
+
+@pytest.mark.parametrize("typed", ["~/", "../", "best/", "~b"])
+def test_a_folder_or_a_name_that_was_typed_stays_in_sight(state, typed):
+    state.export_path = typed
+    take_named_form(state)
+    assert state.export_path == typed
+
+
 def test_only_a_tilde_by_itself_is_the_users_folder(state, tmp_path, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     monkeypatch.setenv("USERPROFILE", str(tmp_path / "home"))
