@@ -163,7 +163,8 @@ def _look_into(request: FileRequest, folder: Path, name: str) -> None:
 def _buttons(state: EditorState, request: FileRequest, entered: bool) -> None:
     path = Path(os.path.expanduser(request.text))
     is_folder = os.path.isdir(path)
-    fits = is_folder if request.kind == "folder" else bool(path.name) and not is_folder
+    # With a slash behind it the name is a folder's, and a file of that name is not what was meant.
+    fits = is_folder if request.kind == "folder" else bool(os.path.basename(request.text)) and not is_folder
     if request.kind == "open":
         fits = fits and os.path.exists(path)
     imgui.begin_disabled(not fits)

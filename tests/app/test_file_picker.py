@@ -168,6 +168,16 @@ def test_a_file_to_be_saved_is_carried_through_the_folders(opened, folder):
     assert chosen == [folder / "turn.mp4"]
 
 
+def test_a_folder_that_is_not_there_is_no_file_to_be_saved(opened, folder, greyed):
+    state, chosen, typed = opened.window.state, [], f"{folder}{os.sep}best{os.sep}"
+    state.picking = FileRequest("save", "A file", folder / "best", chosen.extend, text=typed)
+    opened.frames(3)
+    opened.key(glfw.KEY_ENTER)
+    assert chosen == []
+    assert state.picking is not None
+    assert "That is a folder; add a name" in greyed
+
+
 def test_where_a_folder_is_wanted_the_arrow_keys_pass_files_by(opened, folder):
     (folder / "a.png").touch()
     ask(opened, f"{folder}{os.sep}")
