@@ -31,7 +31,9 @@ class Shelf:
 def lights_to_choose(state: EditorState, shelf: Shelf) -> list[tuple[LightSource, str]]:
     """Every light that can be chosen now, with a sentence on each."""
     used = [(light, _FROM_FILE[light.kind]) for light in state.extra_lights]
-    own = [(LightSource("own"), _OWN)] if state.snapshot.opened else []
+    # From the moment its photo is asked for: coming later, it would move every light behind it under the mouse.
+    has_own = state.photo is not None or state.snapshot.opened is not None or state.light.kind == "own"
+    own = [(LightSource("own"), _OWN)] if has_own else []
     return [*used, *own, *((LightSource("rig", name), shelf.words(name)[1]) for name in shelf.names)]
 
 

@@ -6,13 +6,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from opened_things import SKY, open_light, opened_photo
+from opened_things import SKY, open_light, open_wish, opened_photo, refuse_photo
 
 from app.document.document import LightRef
 from app.engine.snapshot import Snapshot
 from app.engine.sources import LightSource, PhotoSource
 from app.ui import light_edits
 from app.ui.actions.action_table import ACTIONS
+from app.ui.light_list import Shelf, lights_to_choose
 from app.ui.panels.light_panel import tooltip
 from app.ui.state import EditorState
 from relight_core.lighting.light_edit import LightEdit
@@ -235,3 +236,28 @@ def test_a_light_from_a_file_can_be_taken_off_the_list_unless_it_is_in_use():
     state.forget_light(used)
     state.forget_light(LightSource("portrait", "friend.jpg"))
     assert state.extra_lights == [used]
+
+
+@pytest.fixture
+def listed():
+    """The kinds of the lights in the list of a state."""
+    shelf = Shelf(("rembrandt", "rim"), lambda name: (name, ""))
+    return lambda state: [light.kind for light, _ in lights_to_choose(state, shelf)]
+
+
+def test_the_photo_s_own_light_is_listed_from_the_moment_its_photo_is_asked_for(listed, tmp_path):
+    state = EditorState()
+    assert listed(state) == ["rig", "rig"]
+    state.open_photo(tmp_path / "me.jpg")
+    assert listed(state) == ["own", "rig", "rig"]
+    open_wish(state)
+    assert listed(state) == ["own", "rig", "rig"]
+
+
+@pytest.mark.parametrize(("chosen", "kinds"), [("rig", ["rig", "rig"]), ("own", ["own", "rig", "rig"])])
+def test_the_own_light_of_a_photo_that_is_refused_is_listed_only_while_it_is_chosen(listed, tmp_path, chosen, kinds):
+    state = EditorState()
+    state.open_photo(tmp_path / "me.jpg")
+    state.choose_light(LightSource(chosen, "rim" if chosen == "rig" else ""))
+    refuse_photo(state)
+    assert listed(state) == kinds
