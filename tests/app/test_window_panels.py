@@ -2,7 +2,9 @@
 
 import glfw
 import pytest
+from fake_relighter import LONG_S
 from imgui_bundle import imgui
+from window_hand import places_drawn
 
 from app.ui.layout import OpenGroups, Panels
 
@@ -62,3 +64,20 @@ def test_what_reaches_to_the_right_ends_alike_and_is_not_cut(opened, monkeypatch
     opened.frames(2)
     reaching = [ends[label] for label in ("Outline…", "Copy", "PNGs", "Batch over a folder…", "Redo")]
     assert reaching == pytest.approx([ends["Copy"]] * len(reaching), abs=0.51)
+
+
+def test_no_button_below_moves_when_the_first_picture_of_a_photo_comes(hand, relighter, photo_path, monkeypatch):
+    buttons = places_drawn(monkeypatch, imgui, "button")
+    relighter.gate.clear()
+    hand.window.on_drop(None, [str(photo_path)], hand.centre())
+    hand.frames(2)
+    assert relighter.entered.acquire(timeout=LONG_S)
+    hand.frames(2)
+    before = dict(buttons)
+    hand.click(before["Outline…"])
+    assert not hand.window.state.brush.is_open
+    relighter.gate.set()
+    hand.settle()
+    assert buttons["Copy"] == before["Copy"]
+    hand.click(buttons["Outline…"])
+    assert hand.window.state.brush.is_open

@@ -168,12 +168,14 @@ def _faces(state: EditorState, fonts: theme.Fonts) -> None:
 
 
 def _faces_title(state: EditorState, fonts: theme.Fonts, count: int) -> None:
-    """How many there are; the buttons that show their boxes and take up the brush are at the right end of the line."""
+    """How many there are; the buttons that show their boxes and take up the brush are at the right end of the line.
+
+    The latter is there while the picture is still to come, so that nothing moves under the mouse.
+    """
     boxes = Tool("Boxes…", "Move or resize the boxes of the faces, add one that was missed.  Shift + F")
-    outline = Tool("Outline…", "Paint what belongs to the person and was missed, or what does not.  Shift + O")
+    words = "Paint what belongs to the person and was missed, or what does not.  Shift + O"
+    outline = Tool("Outline…", words, state.snapshot.picture is not None)
     tools = ((boxes, state.faces.is_open), (outline, state.brush.is_open))
-    if state.snapshot.picture is None:
-        tools = tools[:1]
     end = imgui.get_cursor_pos_x() + imgui.get_content_region_avail().x
     widgets.heading(fonts, "No face" if count == 0 else "Face" if count == 1 else f"{count} faces")
     spacing = SPACING_EM * imgui.get_font_size()
