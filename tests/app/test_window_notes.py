@@ -1,15 +1,18 @@
 """What is written over the picture in the real window lies apart."""
 
 import itertools
+from dataclasses import replace
 from types import SimpleNamespace
 
 import glfw
 import pytest
 from imgui_bundle import imgui
-from window_hand import STRIPS
+from window_hand import PANORAMA_WIDTH, PANORAMA_X, STRIPS
 
 from app.engine.snapshot import Snapshot
+from app.engine.sources import LightSource
 from app.ui import theme
+from app.ui.panels import panorama
 from app.ui.viewport import viewport_notes
 
 
@@ -92,3 +95,19 @@ def test_what_runs_stays_within_the_viewport_and_off_the_zoom(opened, monkeypatc
     assert viewport[0] < progress[0]
     assert progress[2] < viewport[2]
     assert progress[2] < zoom[0] or progress[3] < zoom[1]
+
+
+def test_what_runs_for_a_light_ends_within_the_panorama(opened, monkeypatch):
+    state, ends, note = opened.window.state, [], panorama.note
+
+    def note_end(words, x, y):
+        ends.append((words, x + viewport_notes.note_width(words)))
+        note(words, x, y)
+
+    monkeypatch.setattr(panorama, "note", note_end)
+    state.light = LightSource("rig", "rim")
+    state.snapshot = replace(state.snapshot, activity=f"Reading the face in {'x' * 60}.jpg")
+    monkeypatch.setattr(opened.window.engine, "snapshot", lambda: state.snapshot)
+    opened.frames(1)
+    assert ends
+    assert all(words.endswith("…") and end <= PANORAMA_X + PANORAMA_WIDTH for words, end in ends)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from imgui_bundle import imgui
 
-from app.ui import light_edits, theme
+from app.ui import light_edits, theme, widgets
 from app.ui.pictures import Pictures
 from app.ui.state import EditorState
 from app.ui.viewport.box_tools import NEW_BOX, Grab, dragged, grab
@@ -46,7 +46,7 @@ def draw(state: EditorState, pictures: Pictures) -> None:
     _picture(state, pictures, left, width, height)
     for index in range(len(state.light_edit.boxes)):
         _box(state, index, left, width, height)
-    _loading_note(state, left, height)
+    _loading_note(state, left, width, height)
     _compass(left, width, height)
 
 
@@ -173,11 +173,12 @@ def _unwrapped(directions: np.ndarray, yaw_deg: float) -> list[tuple[float, floa
     return points
 
 
-def _loading_note(state: EditorState, left: imgui.ImVec2, height: float) -> None:
+def _loading_note(state: EditorState, left: imgui.ImVec2, width: float, height: float) -> None:
     """What the engine is doing, while a light that was asked for is not there yet."""
     light, activity, em = state.snapshot.light, state.snapshot.activity, imgui.get_font_size()
     if activity and light is not None and not state.light.same_as(light.source):
-        note(f"{activity}…", left.x + 0.4 * em, left.y + height - 1.9 * em)
+        words = widgets.shortened(f"{activity}…", width - 1.8 * em)
+        note(words, left.x + 0.4 * em, left.y + height - 1.9 * em)
 
 
 def _compass(left: imgui.ImVec2, width: float, height: float) -> None:
