@@ -2,6 +2,7 @@
 
 import pytest
 from imgui_bundle import imgui
+from window_hand import places_drawn
 
 BEFORE, WIPE, SIDE, SHOW, FIT, FULL_SIZE = ((x, 16) for x in (441, 496, 564, 650, 706, 750))
 
@@ -57,3 +58,38 @@ def test_controls_are_as_wide_with_a_scroll_bar_as_without(opened):
     opened.window.state.groups = type(groups)(export=False, history=False, background=False)
     opened.frames(4)
     assert [x for x, _ in opened.knobs()] == high
+
+
+def test_what_the_bar_has_no_room_for_is_in_the_menu(opened, monkeypatch):
+    listed, drawn = [], []
+    entry, button = imgui.menu_item, imgui.button
+    monkeypatch.setattr(imgui, "menu_item", lambda name, *rest: listed.append(name) or entry(name, *rest))
+    monkeypatch.setattr(imgui, "button", lambda name, *rest: drawn.append(name) or button(name, *rest))
+    opened.click(SHOW)
+    assert {"Open…", "Save", "Wipe", "Side by side", "Fit", "100 %"} <= set(drawn)
+    assert not {"Open…", "Save", "Wipe", "Fit"} & set(listed)
+    opened.resize((800, 560))
+    drawn.clear()
+    opened.frames(2)
+    assert not {"Open…", "Save"} & set(drawn)
+    assert {"Open…", "Save"} <= set(listed)
+
+
+def test_a_photo_is_opened_and_saved_from_the_menu_of_a_narrow_window(opened, monkeypatch):
+    entry, chosen = imgui.menu_item, []
+
+    def pressed(name, *rest):
+        answer = entry(name, *rest)
+        return (True, answer[1]) if name in chosen else answer
+
+    opened.resize((800, 560))
+    places = places_drawn(monkeypatch, imgui, "button")
+    opened.frames(2)
+    monkeypatch.setattr(imgui, "menu_item", pressed)
+    wished = []
+    monkeypatch.setattr(opened.window.state.asking, "wish", wished.append)
+    opened.click(places[""])
+    for label in ("Open…", "Save"):
+        chosen[:] = [label]
+        opened.frames(1)
+    assert wished == ["open_file", "save_session"]

@@ -77,6 +77,9 @@ _ZOOM = (
     _Button("Fit", "The whole picture.  F", fit, lambda state: state.view.fit, available=has_photo),
     _Button("100 %", "One photo pixel on one screen pixel.  Z", _full_size, available=has_photo),
 )
+_CLICKED = tuple(button for button in (*_FILES, *_COMPARING, *_ZOOM) if button.held is None)
+"""Those that are as good in a menu as in the bar."""
+
 _MENU = "Show"
 
 
@@ -99,7 +102,8 @@ def draw(state: EditorState) -> None:
     last = room - right_width - _group_width(comparing) - _BETWEEN_GROUPS_EM * em
     _group(state, comparing, start.x + max(first, min((room - _group_width(comparing)) / 2, last)), start.y)
     x = start.x + max(0.0, room - right_width)
-    _menu(state, x, start.y, menu_width)
+    in_bar = (*left, *comparing, *right)
+    _menu(state, x, start.y, menu_width, [button for button in _CLICKED if button not in in_bar])
     _group(state, right, x + menu_width + _APART_EM * em, start.y)
 
 
@@ -136,7 +140,8 @@ def _flat(label: str, width: float, down: bool) -> bool:
     return clicked
 
 
-def _menu(state: EditorState, x: float, y: float, width: float) -> None:
+def _menu(state: EditorState, x: float, y: float, width: float, left_out: list[_Button]) -> None:
+    """What is shown, below the buttons that the bar has no room for."""
     em = imgui.get_font_size()
     imgui.set_cursor_pos(imgui.ImVec2(x, y))
     corner = imgui.get_cursor_screen_pos()
@@ -149,6 +154,7 @@ def _menu(state: EditorState, x: float, y: float, width: float) -> None:
     arrow(draw, corner.x + width - 0.85 * em, corner.y + 0.72 * em, 0.22 * em, is_open=True)
     imgui.set_next_window_pos(below)
     if imgui.begin_popup("show"):
+        _left_out(state, left_out)
         _entries(state, look_actions.READING)
         imgui.separator()
         _entries(state, look_actions.PANELS)
@@ -157,6 +163,16 @@ def _menu(state: EditorState, x: float, y: float, width: float) -> None:
         imgui.separator()
         _entries(state, (*face_actions.FACES[:1], *brush_actions.OUTLINE[:1]))
         imgui.end_popup()
+
+
+def _left_out(state: EditorState, buttons: list[_Button]) -> None:
+    for button in buttons:
+        words, _, key = button.tooltip.rpartition("  ")
+        if imgui.menu_item(button.label, key, button.is_on(state), button.available(state))[0]:
+            button.act(state)
+        imgui.set_item_tooltip(words)
+    if buttons:
+        imgui.separator()
 
 
 def _entries(state: EditorState, actions: tuple[Action, ...]) -> None:
