@@ -47,13 +47,14 @@ def relight_as_left(state: EditorState, outputs: Outputs) -> None:
 
 
 def relight_many(photos: list[Path], outputs: Outputs, asking: Asking, as_left: bool = False) -> None:
-    """Relight photos into a folder of their own, after asking where it has pictures of them already.
+    """Relight photos into a folder of their own, after asking where it has pictures of them already, or gets them now.
 
     Args:
         as_left: as of `Outputs.batch_over`.
     """
     folder = folder_for_outputs(photos[0]) / _FOLDER
-    done = outputs.done_already(photos, folder)
+    there, coming = outputs.done_already(photos, folder)
+    done = there + coming
     if not done:
         outputs.batch_over(photos, folder, as_left=as_left)
         return
@@ -66,6 +67,8 @@ def relight_many(photos: list[Path], outputs: Outputs, asking: Asking, as_left: 
 
     rest = len(photos) - done
     only_the_rest = ((f"Relight the other {rest}", start(False)),) if rest else ()
-    text = f"{done} of these {len(photos)} photos {'has a picture' if done == 1 else 'have pictures'} in {folder}."
+    have = "has a picture" if done == 1 else "have pictures"
+    or_will = ", or will once the batch before is done" if coming else ""
+    text = f"{done} of these {len(photos)} photos {have} in {folder}{or_will}."
     choices = (*only_the_rest, ("Replace", start(True)), ("Cancel", lambda: None))
     asking.ask(Question("batch", text, choices, calling_off="Cancel"))

@@ -60,6 +60,8 @@ class Outputs:
     ) -> None:
         self._state, self._exporter, self._make_relighter = state, exporter, make_relighter
         self._when_finished = when_finished or (lambda task, **_: task(state.snapshot.picture))
+        # What each batch makes that has not ended; the jobs' thread takes it off.
+        self._coming: list[list[Path]] = []
 
     def export(self, suffix: str) -> None:
         """Save the picture where the panel says now, as a kind of file; nothing if there is no picture."""
@@ -169,6 +171,9 @@ class Outputs:
         self._need_picture()
         settings = settings or self._state.export
         works, originals = {photo: self._work_on(photo, as_left) for photo in photos}, KnownFiles(photos)
+        tasks = batch_tasks(photos, folder, settings.form)
+        coming = [output for _, output in tasks]
+        self._coming.append(coming)
 
         def start(picture: Picture) -> None:
             lights = BatchLights(picture.light)
@@ -176,9 +181,9 @@ class Outputs:
             def one(relighter: RelighterLike, photo: Path, output: Path) -> None:
                 relight_as(document_of(works[photo], photo), lights, relighter, output, settings, originals)
 
-            self._start_batch(batch_tasks(photos, folder, settings.form), one, replaces)
+            self._start_batch(tasks, one, replaces, then=partial(self._coming.remove, coming))
 
-        self._when_finished(start)
+        self._when_finished(start, otherwise=partial(self._coming.remove, coming))
 
     def _work_on(self, photo: Path, as_left: bool) -> Document | Path:
         own = own_work(self._state, photo) if as_left else None
@@ -189,10 +194,17 @@ class Outputs:
         tasks: list[tuple[Path, Path]],
         one: Callable[[RelighterLike, Path, Path], None],
         replaces: bool,
+        then: Callable[[], None],
     ) -> None:
         folder = tasks[0][1].parent
 
         def work(control: JobControl) -> str:
+            try:
+                return relight(control)
+            finally:
+                then()
+
+        def relight(control: JobControl) -> str:
             _make_folder(folder)
             relighter = self._make_relighter()
             # Asked again when its turn comes: another window may make it meanwhile, and nobody agreed to replace that.
@@ -213,10 +225,12 @@ class Outputs:
 
         self._exporter.start("Batch", work)
 
-    def done_already(self, photos: list[Path], folder: Path) -> int:
-        """How many of the photos have a picture in the folder."""
-        tasks = batch_tasks(photos, folder, self._state.export.form)
-        return sum(os.path.lexists(output) for _, output in tasks)
+    def done_already(self, photos: list[Path], folder: Path) -> tuple[int, int]:
+        """How many of the photos have a picture in the folder, and how many others get one by an earlier batch."""
+        coming = {output for outputs in self._coming.copy() for output in outputs}
+        outputs = [output for _, output in batch_tasks(photos, folder, self._state.export.form)]
+        missing = [output for output in outputs if not os.path.lexists(output)]
+        return len(outputs) - len(missing), sum(output in coming for output in missing)
 
     def suggested(self, suffix: str, ending: str = "") -> Path:
         """A free name, beside the photo, for an output of what is wanted now, be that photo open yet or not."""

@@ -9,9 +9,12 @@ from opened_things import open_light, opened_for
 from PIL import Image
 
 from app.engine.exporting import ExportSettings
+from app.engine.jobs import Cancelled
 from app.engine.snapshot import Picture, Snapshot
 from app.engine.sources import PhotoSource
+from app.ui.asking import Asking
 from app.ui.state import EditorState
+from app.window.batching import relight_many
 from app.window.outputs import Outputs
 from relight_core.errors import InputError
 from relight_core.pipeline.edit import Edit
@@ -78,7 +81,7 @@ def test_a_batch_tells_how_far_it_is_and_counts_what_was_there(outputs, exporter
     folder = tmp_path / "relit"
     folder.mkdir()
     (folder / "c.png").write_bytes(b"there")
-    assert outputs.done_already(photos, folder) == 1
+    assert outputs.done_already(photos, folder) == (1, 0)
     outputs.batch_over(photos, folder)
     assert exporter.steps == [(1, 3), (2, 3), (3, 3)]
     assert (folder / "c.png").read_bytes() == b"there"
@@ -106,3 +109,44 @@ def test_a_batch_into_the_photos_own_folder_writes_over_none_of_them(outputs, ex
 def test_a_batch_is_saved_as_it_was_set_when_it_was_asked_for(outputs, exporter, photos, tmp_path):
     outputs.batch_over(photos, tmp_path / "relit", settings=ExportSettings(".jpg"))
     assert sorted(path.name for path in (tmp_path / "relit").iterdir()) == ["a.jpg", "b.jpg", "c.jpg"]
+
+
+@pytest.fixture
+def waiting(exporter):
+    """The jobs that were handed over, none of which has begun."""
+    jobs = []
+    exporter.start = lambda name, work: jobs.append(work)
+    return jobs
+
+
+def test_a_batch_asks_about_pictures_that_one_before_has_yet_to_make(outputs, waiting, photos, tmp_path):
+    asking = Asking()
+    relight_many(photos[:2], outputs, asking)
+    assert (len(waiting), asking.questions) == (1, [])
+    relight_many(photos, outputs, asking)
+    (question,) = asking.questions
+    will = ", or will once the batch before is done."
+    assert question.text == f"2 of these 3 photos have pictures in {tmp_path / 'relit'}{will}"
+    assert [label for label, _ in question.choices] == ["Relight the other 1", "Replace", "Cancel"]
+    assert len(waiting) == 1
+
+
+def test_what_a_batch_that_was_cancelled_did_not_make_is_awaited_no_more(outputs, waiting, photos, tmp_path):
+    outputs.batch_over(photos, tmp_path / "relit")
+    assert outputs.done_already(photos, tmp_path / "relit") == (0, 3)
+
+    def stop(done, total):
+        raise Cancelled
+
+    with pytest.raises(Cancelled):
+        waiting[0](SimpleNamespace(step=stop))
+    assert outputs.done_already(photos, tmp_path / "relit") == (0, 0)
+
+
+def test_a_batch_whose_light_never_comes_is_not_awaited(outputs, photos, tmp_path):
+    given_up = []
+    outputs._when_finished = lambda task, otherwise: given_up.append(otherwise)
+    outputs.batch_over(photos, tmp_path / "relit")
+    assert outputs.done_already(photos, tmp_path / "relit") == (0, 3)
+    given_up[0]()
+    assert outputs.done_already(photos, tmp_path / "relit") == (0, 0)

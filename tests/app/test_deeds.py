@@ -323,7 +323,7 @@ def test_a_batch_goes_to_the_current_folder_where_the_photos_own_is_no_place_for
     monkeypatch.chdir(tmp_path)
     (photo.parent / "you.jpg").write_bytes(b"pixels")
     photos, started = [photo, photo.with_name("you.jpg")], []
-    outputs = SimpleNamespace(done_already=lambda *_: 0, batch_over=lambda *words, **_: started.append(words))
+    outputs = SimpleNamespace(done_already=lambda *_: (0, 0), batch_over=lambda *words, **_: started.append(words))
     editor = Editor(None, outputs=outputs)
     editor.state.open_photos(photos if from_queue else photos[:1])
     editor.state.asking.wish("batch")
@@ -337,7 +337,9 @@ def test_a_batch_goes_to_the_current_folder_where_the_photos_own_is_no_place_for
 def test_a_batch_over_a_folder_leaves_out_the_panorama_that_is_the_light(photo):
     started, sky = [], photo.with_name("sky.exr")
     sky.write_bytes(b"radiance")
-    outputs = SimpleNamespace(done_already=lambda *_: 0, batch_over=lambda photos, *_, **__: started.append(photos))
+    outputs = SimpleNamespace(
+        done_already=lambda *_: (0, 0), batch_over=lambda photos, *_, **__: started.append(photos)
+    )
     editor = Editor(None, outputs=outputs)
     for light in (LightSource("panorama", str(sky)), LightSource("rig", "rim")):
         editor.state.light = light
