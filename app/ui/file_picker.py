@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from imgui_bundle import imgui
@@ -56,15 +58,29 @@ def _line(request: FileRequest) -> bool:
         imgui.set_keyboard_focus_here()
         flags |= imgui.InputTextFlags_.callback_always
     imgui.set_next_item_width(-1.0)
-    entered, request.text = widgets.path_input(request.text, flags, _type_on)
+    entered, request.text = widgets.path_input(request.text, flags, partial(_type_on, request))
     return entered
 
 
-def _type_on(data: imgui.InputTextCallbackData) -> int:
-    """Put the cursor behind the path, to be typed on; as it gets the keyboard all of it is selected."""
+def _type_on(request: FileRequest, data: imgui.InputTextCallbackData) -> int:
+    """Put the cursor behind the path, to be typed on; as it gets the keyboard all of it is selected.
+
+    Of a file to save the name stays selected without its suffix, so that what is typed takes its place.
+    """
     data.clear_selection()
     data.cursor_pos = data.buf_text_len
+    if request.kind == "save":
+        start, end = _place_of_name(legible(request.text), request.suffixes)
+        data.selection_start, data.selection_end, data.cursor_pos = start, end, end
     return 0
+
+
+def _place_of_name(path: str, suffixes: Sequence[str]) -> tuple[int, int]:
+    """Where a path's last name begins and where its suffix does, in bytes, as Dear ImGui counts."""
+    name = os.path.basename(path)
+    ending = next((suffix for suffix in suffixes if name.lower().endswith(suffix)), os.path.splitext(name)[1])
+    length = len(path.encode())
+    return length - len(name.encode()), length - len(ending.encode())
 
 
 def _folder_above_is_wished() -> bool:

@@ -168,6 +168,25 @@ def test_a_file_to_be_saved_is_carried_through_the_folders(opened, folder):
     assert chosen == [folder / "turn.mp4"]
 
 
+@pytest.mark.parametrize(
+    ("name", "suffixes", "saved"),
+    [
+        ("turn.mp4", (".mp4",), "B.mp4"),
+        ("ä.b.relight.json", (".relight.json",), "B.relight.json"),
+        ("ä.jpeg", (".png",), "B.jpeg"),
+        ("", (".png",), "B"),
+    ],
+)
+def test_what_is_typed_takes_the_place_of_the_name_that_is_suggested(opened, folder, name, suffixes, saved):
+    chosen = []
+    request = FileRequest("save", "A file", folder / name, chosen.extend, suffixes, f"{folder}{os.sep}{name}")
+    opened.window.state.picking = request
+    opened.frames(3)
+    opened.type("B")
+    opened.key(glfw.KEY_ENTER)
+    assert chosen == [folder / saved]
+
+
 def test_a_folder_that_is_not_there_is_no_file_to_be_saved(opened, folder, greyed):
     state, chosen, typed = opened.window.state, [], f"{folder}{os.sep}best{os.sep}"
     state.picking = FileRequest("save", "A file", folder / "best", chosen.extend, text=typed)
