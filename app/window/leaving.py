@@ -63,6 +63,12 @@ class Leaving:
 
     def _finish(self) -> None:
         self._failures_before = self._failures()
+        # In sight until then: whoever goes on working meanwhile would lose sight of the window without a word.
+        text = "This window closes once the files you asked for are made."
+        self._asking.ask(Question(_FILES, text, (("Stay open", self._stay),), calling_off="Stay open"))
+
+    def _stay(self) -> None:
+        self._failures_before = None
 
     def _stop(self) -> None:
         self._stops = True

@@ -48,12 +48,26 @@ def test_what_is_being_made_can_be_finished_first(work):
     assert work.leaving.allows(wanted=False)
 
 
+def test_that_the_window_will_close_is_in_sight_and_can_be_called_off_until_it_does(work):
+    work.leaving.allows(wanted=True)
+    work.choose("Finish first")
+    assert not work.leaving.allows(wanted=False)
+    (question,) = work.asking.questions
+    assert question.text == "This window closes once the files you asked for are made."
+    assert [label for label, _ in question.choices] == ["Stay open"]
+    assert work.asking.call_off()
+    work.busy = False
+    assert not work.leaving.allows(wanted=False)
+    assert work.asking.questions == []
+
+
 def test_what_could_not_be_finished_is_told_before_the_window_closes(work):
     work.failures = 1
     work.leaving.allows(wanted=True)
     work.choose("Finish first")
     work.busy, work.failures = False, 2
     assert not work.leaving.allows(wanted=False)
+    assert work.asking.questions == []
     assert work.leaving.allows(wanted=True)
 
 
