@@ -27,6 +27,8 @@ _FLAGS = (
     | imgui.WindowFlags_.no_scroll_with_mouse
 )
 
+_TOOLTIP_S, _NEVER_S = 0.15, 1e9
+
 
 def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: Shelf) -> None:
     """Draw every panel; between new_frame and render."""
@@ -34,6 +36,8 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: Shel
     state.hand_on_control = False
     shortcuts.apply(state)
     progress_card.play(state)
+    # A tooltip of what the mouse was left on would lie over what is typed in now.
+    imgui.get_style().hover_delay_short = _NEVER_S if state.picking or state.look.palette else _TOOLTIP_S
     scope = state.look.scope != "off"
     layout = arrange(io.display_size.x, io.display_size.y, imgui.get_font_size(), state.panels, scope)
     state.light_panel = layout.light.corners if layout.light else (0.0, 0.0, 0.0, 0.0)

@@ -2,8 +2,10 @@
 
 import glfw
 import pytest
+from imgui_bundle import imgui
+from window_hand import PATIENCE
 
-from app.ui.asking import Question
+from app.ui.asking import FileRequest, Question
 from app.ui.layout import OpenGroups, Panels
 
 
@@ -86,3 +88,26 @@ def test_typing_in_the_palette_triggers_no_shortcut_and_escape_closes_it(opened)
     assert not opened.window.state.look.palette
     opened.key(glfw.KEY_2)
     assert opened.window.state.shown == "albedo"
+
+
+def has_tooltip():
+    drawn = imgui.internal.find_window_by_name("##Tooltip_00")
+    return drawn is not None and drawn.active
+
+
+@pytest.mark.parametrize("over", ["palette", "file"])
+def test_no_tooltip_lies_over_what_is_typed_in(opened, tmp_path, over):
+    state = opened.window.state
+    opened.move(opened.panorama(0.5))
+    for _ in range(PATIENCE):
+        if has_tooltip():
+            break
+        opened.frames(1)
+    assert has_tooltip()
+    if over == "palette":
+        opened.key(glfw.KEY_P, ctrl=True)
+    else:
+        state.picking = FileRequest("open", "A file", tmp_path, list)
+    opened.frames(2)
+    assert state.look.palette or state.picking is not None
+    assert not has_tooltip()
