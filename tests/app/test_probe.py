@@ -14,6 +14,7 @@ from app.ui.state import EditorState
 from app.ui.viewport.light_ball import words
 from app.ui.viewport.panes import arrange_panes
 from app.ui.viewport.probe import Reading, reading, readings
+from app.ui.viewport.probe_card import hint
 from app.ui.viewport.view import View, photo_point
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
@@ -163,6 +164,20 @@ def test_holding_before_hides_every_comparison(snapshot):
     state.before = True
     arranged = arrange_panes(state, (800, 500))
     assert [pane.name for pane in arranged.panes] == ["photo"]
+
+
+@pytest.mark.parametrize(
+    ("shown", "before", "words"),
+    [
+        ("result", False, "Point at the picture to read its values"),
+        ("source_light", False, "A panorama; show another picture to read values"),
+        ("source_light", True, "Point at the picture to read its values"),
+    ],
+)
+def test_nobody_is_told_to_point_at_a_picture_that_has_no_values(snapshot, shown, before, words):
+    state = state_of(snapshot)
+    state.shown, state.before = shown, before
+    assert hint(arrange_panes(state, (800, 500))) == words
 
 
 def lamp(u, v):

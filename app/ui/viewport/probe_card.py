@@ -53,16 +53,25 @@ def draw(state: EditorState, arranged: Arrangement, rect: Rect) -> None:
     draw_list = imgui.get_window_draw_list()
     widgets.shade(draw_list, Rect(x, y, width, height), 0.92)
     left, top = x + _PAD_EM * em, y + _PAD_EM * em
-    _heading(draw_list, left, top, point)
+    _heading(draw_list, left, top, point, hint(arranged))
     for row, reading in enumerate(rows, 1):
         _row(draw_list, left, top + row * _LINE_EM * em, reading, reading.name == under)
     imgui.pop_font()
 
 
-def _heading(draw_list: imgui.ImDrawList, x: float, y: float, point: tuple[float, float] | None) -> None:
+def hint(arranged: Arrangement) -> str:
+    """How to get values, as long as there are none."""
+    if arranged.main is not None and arranged.main.name in LIGHTS:
+        return "A panorama; show another picture to read values"
+    return "Point at the picture to read its values"
+
+
+def _heading(
+    draw_list: imgui.ImDrawList, x: float, y: float, point: tuple[float, float] | None, otherwise: str
+) -> None:
     em = imgui.get_font_size()
     if point is None:
-        draw_list.add_text(imgui.ImVec2(x, y), theme.packed(theme.DIM), "Point at the picture to read its values")
+        draw_list.add_text(imgui.ImVec2(x, y), theme.packed(theme.DIM), otherwise)
         return
     draw_list.add_text(imgui.ImVec2(x, y), theme.packed(theme.TEXT), f"{int(point[0])}, {int(point[1])}")
     for words, along in (("linear", _NAME_EM), ("on screen, 0 – 255", _NAME_EM + _LINEAR_EM)):
