@@ -1,5 +1,6 @@
 """The action table: complete, without clashes, and what the palette finds in it."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -162,6 +163,12 @@ def test_the_overview_shows_every_action_and_gesture():
     rows = [row for group in groups().values() for row in group]
     assert {action.name for action in ACTIONS} <= {words for _, words in rows}
     assert len(rows) == len(ACTIONS) + len(GESTURES)
+
+
+def test_no_line_of_the_overview_can_be_broken_within_a_word():
+    # Dear ImGui also breaks a line behind a full stop with a letter right after it, as in ".exr".
+    words = [words for group in groups().values() for _, words in group]
+    assert [line for line in words if re.search(r"[.,;!?]\w", line)] == []
 
 
 def test_actions_work_on_the_state_alone():

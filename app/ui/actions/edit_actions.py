@@ -263,6 +263,6 @@ GESTURES = (
     Gesture("Double-click the panorama", _LIGHT, "Add a soft box; drag it, or its corners"),
     Gesture("Double-click a slider", _LIGHT, "Reset it"),
     Gesture("Ctrl-click a slider", _LIGHT, "Type a number"),
-    Gesture("Drop files", _FILE, "Portraits and sessions open; an .hdr or .exr becomes the light"),
+    Gesture("Drop files", _FILE, "Portraits and sessions open; a panorama becomes the light"),
     Gesture("Drop on the light panel", _FILE, "A portrait lends its light; so with Shift anywhere"),
 )
