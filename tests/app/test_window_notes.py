@@ -7,13 +7,14 @@ from types import SimpleNamespace
 import glfw
 import pytest
 from imgui_bundle import imgui
-from window_hand import PANORAMA_WIDTH, PANORAMA_X, STRIPS
+from window_hand import PANORAMA_WIDTH, PANORAMA_X, STRIPS, TOOLBAR
 
 from app.engine.snapshot import Snapshot
 from app.engine.sources import LightSource
 from app.ui import theme
+from app.ui.asking import Question
 from app.ui.panels import panorama
-from app.ui.viewport import viewport_notes
+from app.ui.viewport import placing, probe_card, viewport_notes
 
 
 def test_the_names_at_the_line_lie_above_what_the_colours_mean(opened, monkeypatch):
@@ -111,3 +112,38 @@ def test_what_runs_for_a_light_ends_within_the_panorama(opened, monkeypatch):
     opened.frames(1)
     assert ends
     assert all(words.endswith("…") and end <= PANORAMA_X + PANORAMA_WIDTH for words, end in ends)
+
+
+@pytest.mark.parametrize("key", [glfw.KEY_I, glfw.KEY_T])
+@pytest.mark.parametrize("also", [glfw.KEY_L, glfw.KEY_D, glfw.KEY_W])
+def test_no_card_lies_over_what_the_next_click_does(opened, monkeypatch, key, also):
+    cards, hints, shade, note = [], [], probe_card.widgets.shade, placing.note
+
+    def shaded(draw, rect, opacity):
+        # Cards are darker than the pills of notes and what colours mean.
+        cards.extend([rect] * (opacity > 0.9))
+        shade(draw, rect, opacity)
+
+    def noted(words, x, y):
+        hints.append((x, y, x + viewport_notes.note_width(words), y + 1.5 * theme.FONT_PX))
+        note(words, x, y)
+
+    for pressed in (key, also, glfw.KEY_K):
+        opened.key(pressed)
+    monkeypatch.setattr(probe_card.widgets, "shade", shaded)
+    monkeypatch.setattr(placing, "note", noted)
+    opened.frames(1)
+    (card,), (hint,) = cards, hints
+    assert hint[1] > card.y + card.height or hint[0] > card.x + card.width or hint[2] < card.x
+    assert hint[3] < opened.height - STRIPS
+
+
+def test_what_the_next_click_does_lies_below_what_is_asked(opened, monkeypatch):
+    tops = []
+    opened.key(glfw.KEY_K)
+    opened.window.state.asking.ask(Question("x", "Is it?", (("Yes", lambda: None),)))
+    opened.frames(3)
+    monkeypatch.setattr(placing, "note", lambda words, x, y: tops.append(y))
+    opened.frames(1)
+    assert tops[0] > TOOLBAR + opened.window.state.look.covered
+    assert opened.window.state.look.covered > 0

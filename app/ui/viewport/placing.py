@@ -12,7 +12,7 @@ from app.ui.state import EditorState
 from app.ui.viewport.box_tools import aimed, lamp_for_spot
 from app.ui.viewport.panes import LIGHTS, Arrangement
 from app.ui.viewport.view import photo_point
-from app.ui.viewport.viewport_notes import note, note_width
+from app.ui.viewport.viewport_notes import note, note_width, titles_foot_em
 from relight_core.face.find import FaceBox
 from relight_core.pipeline.results.layers import channel_view_of
 
@@ -43,14 +43,19 @@ def drag(state: EditorState, arranged: Arrangement, at: tuple[float, float]) -> 
     return imgui.is_item_active() or not imgui.get_io().mouse_wheel
 
 
-def hint(state: EditorState, rect: Rect) -> None:
-    """What the next click does; once the tool is left, the message about a click that missed goes as well."""
+def hint(state: EditorState, arranged: Arrangement, rect: Rect) -> None:
+    """What the next click does; once the tool is left, the message about a click that missed goes as well.
+
+    Where cards are at the viewport's top it lies above the titles at its foot.
+    """
     if not state.aim.target:
         _put_refusal_away(state)
-    else:
-        em = imgui.get_font_size()
-        words = f"{_WORDS[state.aim.target]}.  Esc to leave it"
-        note(words, rect.x + (rect.width - note_width(words)) / 2, rect.y + em)
+        return
+    em = imgui.get_font_size()
+    words = f"{_WORDS[state.aim.target]}.  Esc to leave it"
+    covered = state.look.probe or state.look.timings
+    down = rect.height - (titles_foot_em(state, arranged.main, rect) + 2.0) * em if covered else em
+    note(words, rect.x + (rect.width - note_width(words)) / 2, rect.y + down)
 
 
 def _no_face_at(faces: Sequence[FaceBox], only: int | None, x: float, y: float) -> str:

@@ -58,8 +58,7 @@ def pane_titles(state: EditorState, arranged: Arrangement, rect: Rect, scale: fl
     em = imgui.get_font_size()
     before, after = arranged.panes
     covered = state.look.probe or state.look.timings or state.aim.target
-    foot_em = 2.1 if _colours(state, arranged.main) is None else _legend_foot_em(rect) + 2.5
-    y = rect.y + (rect.height - foot_em * em if covered else 0.6 * em)
+    y = rect.y + (rect.height - titles_foot_em(state, arranged.main, rect) * em if covered else 0.6 * em)
     left = TITLES[before.name]
     x = rect.x + before.right / scale - note_width(left) - 0.6 * em
     if x > rect.x:
@@ -68,6 +67,11 @@ def pane_titles(state: EditorState, arranged: Arrangement, rect: Rect, scale: fl
     x = rect.x + after.left / scale + 0.6 * em
     if x + note_width(right) < rect.x + rect.width:
         note(right, x, y)
+
+
+def titles_foot_em(state: EditorState, pane: Pane, rect: Rect) -> float:
+    """How far above the viewport's foot titles begin that have no room at its top; above what colours mean."""
+    return 2.1 if _colours(state, pane) is None else _legend_foot_em(rect) + 2.5
 
 
 def progress(state: EditorState, rect: Rect) -> None:
