@@ -172,13 +172,14 @@ class FaceRelighter(FaceInPhoto):
         """How the relit view differs from the photo's, at the sliders' gains and the light's level."""
         make_fit = partial(self._fit, ready, lit, plan)
         fit = self.cache.run("detail_fit", plan.keys["detail_fit"], make_fit, "new light", keep=_MOVED_AND_AT_REST)
-        moved, shadow = None, edit.shadow * plan.runs("shadow")
+        gains = edit if plan.runs("sliders") else Edit()
+        moved, shadow = None, gains.shadow * plan.runs("shadow")
         if plan.runs("sliders"):
-            specular = specular_gain(edit.specular * plan.runs("specular"), edit.specular_tint, self._shop.device)
-            effects = soften_shadow(lit.effects, ready.surface, lit.reflected, edit.shadow_softness)
+            specular = specular_gain(gains.specular * plan.runs("specular"), gains.specular_tint, self._shop.device)
+            effects = soften_shadow(lit.effects, ready.surface, lit.reflected, gains.shadow_softness)
             moved = move_sliders(lit.composed, ready.surface, lit.reflected, effects, specular, shadow)
         fine = self._fine_edges(ready, lit, plan)
-        edges = None if fine is None else fine.gain(shadow, edit.shadow_softness)
+        edges = None if fine is None else fine.gain(shadow, gains.shadow_softness)
         change = enlarge_change(fit, moved, self._upsampler(ready), level, edges)
         change = change.of_photo_times(self.portrait.exposure)
         if lit.nearer is not None:

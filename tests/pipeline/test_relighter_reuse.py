@@ -238,6 +238,16 @@ def test_a_shadow_that_is_taken_away_or_softened_leaves_no_fine_edge(relighter, 
     assert (np.abs(relighter.relight(sun(), edit).image - with_edges).max() > 1e-4) == drawn
 
 
+@pytest.mark.parametrize(
+    "slider", [{"shadow": 0.0}, {"shadow_softness": 1.0}, {"specular": 2.0}, {"specular_tint": 1.0}]
+)
+def test_sliders_that_are_turned_off_move_nothing_not_even_the_edges_of_shadows(relighter, slider):
+    off = replace(EDIT, forced_off=frozenset({"sliders"}))
+    at_rest = relighter.relight(sun(), off).image
+    relighter.forget_lights()
+    np.testing.assert_array_equal(relighter.relight(sun(), replace(off, **slider)).image, at_rest)
+
+
 def test_turning_a_light_is_relighting_with_the_turned_panorama(relighter):
     edit = replace(EDIT, background="light")
     by_yaw = relighter.relight(sun(), replace(edit, yaw_deg=90.0))
