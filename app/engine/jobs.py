@@ -53,8 +53,11 @@ class JobControl:
         self._jobs, self._name = jobs, name
         self._began_s = time.monotonic()
 
-    def step(self, done: int, total: int) -> None:
+    def step(self, done: int, total: int, unneeded: int = 0) -> None:
         """So many steps are done.
+
+        Args:
+            unneeded: how many of them there was nothing to do for, and which say nothing of how long others take.
 
         Raises:
             Cancelled: the user has cancelled the job.
@@ -62,7 +65,7 @@ class JobControl:
         if self._jobs.is_cancelled():
             raise Cancelled
         elapsed_s = time.monotonic() - self._began_s
-        left_s = elapsed_s / done * (total - done) if done else None
+        left_s = elapsed_s / (done - unneeded) * (total - done) if done > unneeded else None
         self._jobs.publish(JobStatus(self._name, done, total, left_s))
 
 

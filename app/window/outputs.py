@@ -211,13 +211,13 @@ class Outputs:
             kept_if = None if replaces else lambda _, output: os.path.lexists(output)
             kept = [task for task in tasks if kept_if and kept_if(*task)]
             outcomes = [Outcome(*task, "kept") for task in kept]
-            control.step(len(kept), len(tasks))
+            control.step(len(kept), len(tasks), len(kept))
             left = [task for task in tasks if task not in kept]
             for outcome in relight_each(left, partial(one, relighter), kept_if):
                 outcomes.append(outcome)
                 if outcome.fault:
                     _log.error("Batch: %s\n%s", outcome.error, outcome.fault)
-                control.step(len(outcomes), len(tasks))
+                control.step(len(outcomes), len(tasks), sum(outcome.state == "kept" for outcome in outcomes))
             said = legible(f"{summary(outcomes)}. They are in {folder}")
             if any(outcome.state == "failed" for outcome in outcomes):
                 raise InputError(said, *reasons(outcomes))

@@ -23,16 +23,21 @@ NAMES = ("a.png", "b.png", "c.png")
 
 
 class Exporter:
-    """Runs a job while it is handed over, and keeps how far it was; `during` is called at each step."""
+    """Runs a job while it is handed over, and keeps how far it was; `during` is called at each step.
+
+    Attributes:
+        unneeded: at each step, for how many of them there was nothing to do.
+    """
 
     def __init__(self):
-        self.steps, self.during = [], lambda done: None
+        self.steps, self.unneeded, self.during = [], [], lambda done: None
 
     def start(self, name, work):
         self.said = work(SimpleNamespace(step=self._step))
 
-    def _step(self, done, total):
+    def _step(self, done, total, unneeded=0):
         self.steps.append((done, total))
+        self.unneeded.append(unneeded)
         self.during(done)
 
 
@@ -71,6 +76,7 @@ def test_what_another_window_has_made_while_a_batch_runs_is_not_replaced(outputs
     outputs.batch_over(photos, folder)
     assert other.read_bytes() == b"another's"
     assert exporter.said == f"2 photos relit; 1 was done already. They are in {folder}"
+    assert exporter.unneeded == [0, 0, 1, 1]
     exporter.during = lambda done: None
     outputs.batch_over(photos, folder, replaces=True)
     assert other.read_bytes() != b"another's"
@@ -84,6 +90,7 @@ def test_a_batch_tells_how_far_it_is_and_counts_what_was_there(outputs, exporter
     assert outputs.done_already(photos, folder) == (1, 0)
     outputs.batch_over(photos, folder)
     assert exporter.steps == [(1, 3), (2, 3), (3, 3)]
+    assert exporter.unneeded == [1, 1, 1]
     assert (folder / "c.png").read_bytes() == b"there"
 
 

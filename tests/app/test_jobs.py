@@ -289,6 +289,16 @@ def test_what_is_left_takes_as_long_a_step_as_what_is_done_took(monkeypatch):
     assert [status.left_s for status in told] == [None, 90.0]
 
 
+def test_what_needed_no_work_says_nothing_of_how_long_the_rest_takes(monkeypatch):
+    clock, told = [100.0], []
+    monkeypatch.setattr("app.engine.jobs.time", SimpleNamespace(monotonic=lambda: clock[0]))
+    control = JobControl(SimpleNamespace(is_cancelled=lambda: False, publish=told.append), "Batch")
+    control.step(90, 100, 90)
+    clock[0] += 20.0
+    control.step(92, 100, 90)
+    assert [(status.share, status.left_s) for status in told] == [(0.9, None), (0.92, 80.0)]
+
+
 def frames(count, size=(31, 40)):
     relighter = FakeRelighter()
     relighter.set_portrait(Photo(np.full((*size, 3), 0.5, np.float32)))
