@@ -59,3 +59,5 @@ def test_a_ball_in_even_light_is_even_and_covers_a_disc():
     assert (ball[..., 3] > 127).mean() == pytest.approx(np.pi / 4, abs=0.08)
     inside = ball[30:66, 30:66, :3].astype(int)
     assert np.ptp(inside) <= 12
+    # The bright parts have a luminance of 0.85, which is 237 in sRGB.
+    assert np.percentile(ball[ball[..., 3] > 0][:, :3], 98) == pytest.approx(237, abs=2)

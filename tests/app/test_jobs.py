@@ -134,7 +134,7 @@ def test_a_cancel_that_comes_after_its_job_has_ended_leaves_the_next_one_alone(j
         control.step(1, 1)
         return "Copied"
 
-    jobs.start("Film", lambda control: first.append(jobs.status()) or "Saved it")
+    jobs.start("Copy", lambda control: first.append(jobs.status()) or "Saved it")
     jobs.start("Copy", next_work)
     assert second.wait(LONG_S)
     jobs.cancel(first[0])

@@ -1,5 +1,7 @@
 """Thumbnails of lights from files, from one run to the next."""
 
+import struct
+import zlib
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,14 +15,28 @@ BALL = np.random.default_rng(1).integers(0, 256, (96, 96, 4), dtype=np.uint8)
 
 
 def test_a_kept_ball_comes_back_for_that_light_alone(tmp_path):
-    KeptBalls(tmp_path / "made").keep("portrait", "a/friend.jpg", BALL)
-    later = KeptBalls(tmp_path / "made")
+    KeptBalls(tmp_path / "yet" / "to make").keep("portrait", "a/friend.jpg", BALL)
+    later = KeptBalls(tmp_path / "yet" / "to make")
     np.testing.assert_array_equal(later.ball("portrait", "a/friend.jpg"), BALL)
     assert later.ball("panorama", "a/friend.jpg") is None
     assert later.ball("portrait", "b/friend.jpg") is None
 
 
-@pytest.mark.parametrize("damage", [b"", b"no picture", b"\x89PNG\r\n\x1a\n" + b"\x00" * 40])
+def png(width, *others):
+    """A PNG file of a width that holds no pixels but other chunks."""
+    chunks = (b"IHDR", struct.pack(">IIBBBBB", width, width, 8, 6, 0, 0, 0)), *others, (b"IDAT", b""), (b"IEND", b"")
+    parts = (struct.pack(">I", len(p)) + kind + p + struct.pack(">I", zlib.crc32(kind + p)) for kind, p in chunks)
+    return b"\x89PNG\r\n\x1a\n" + b"".join(parts)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        *(b"", b"no picture", b"\x89PNG\r\n\x1a\n" + b"\x00" * 40),
+        *(png(60_000), png(96, (b"zTXt", b"a\0\0" + zlib.compress(bytes(2_000_000)))), png(96, (b"\0\1\2\3", b""))),
+    ],
+    ids=["empty", "no picture", "no header", "too many pixels", "too long a text", "no name of a chunk"],
+)
 def test_a_damaged_one_is_not_there_and_is_replaced(tmp_path, damage):
     KeptBalls(tmp_path).keep("panorama", "sky.hdr", BALL)
     (path,) = tmp_path.glob("*.png")

@@ -30,6 +30,17 @@ def test_files_go_beside_their_photo_where_that_is_allowed(tmp_path):
     assert folder_for_outputs(tmp_path / "missing" / "me.jpg") == Path.cwd()
 
 
+def test_files_go_beside_a_photo_that_is_named_from_the_current_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert folder_for_outputs(Path("me.jpg")) == tmp_path
+
+
+def test_nothing_is_put_beside_a_sample_that_came_with_the_program(tmp_path, monkeypatch):
+    monkeypatch.setattr("sys.prefix", str(tmp_path / "venv"))
+    (tmp_path / "venv" / "samples").mkdir(parents=True)
+    assert folder_for_outputs(tmp_path / "venv" / "samples" / "astronaut.png") == Path.cwd()
+
+
 def test_a_file_has_one_full_path_whatever_folders_it_is_named_by_way_of(tmp_path, monkeypatch):
     (tmp_path / "shoot").mkdir()
     monkeypatch.chdir(tmp_path / "shoot")
