@@ -105,6 +105,13 @@ def test_a_batch_names_the_photos_that_failed_and_says_why(outputs, exporter, ph
     assert sorted(path.name for path in (tmp_path / "relit").iterdir()) == ["a.png", "c.png"]
 
 
+def test_a_batch_whose_folder_can_not_be_made_says_so_before_any_photo_is_relit(outputs, exporter, photos, tmp_path):
+    (tmp_path / "relit").write_bytes(b"a file")
+    with pytest.raises(InputError, match=r"relit: can't be made \(File exists\); choose another folder"):
+        outputs.batch_over(photos, tmp_path / "relit")
+    assert (exporter.steps, (tmp_path / "relit").read_bytes()) == ([], b"a file")
+
+
 def test_a_batch_into_the_photos_own_folder_writes_over_none_of_them(outputs, exporter, photos, tmp_path):
     before = [photo.read_bytes() for photo in photos]
     with pytest.raises(InputError, match="3 could not be relit") as failure:

@@ -1,5 +1,7 @@
 """One photo of a batch: under which light it is relit, and what of it is in its file."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from fake_relighter import FakeRelighter
@@ -43,6 +45,27 @@ def test_a_light_has_what_each_photo_changed_about_it_be_it_the_one_that_is_open
         for stops in (0.0, 1.0)
     ]
     assert levels[1] == pytest.approx(2.0 * levels[0])
+
+
+def test_what_a_photo_changed_about_the_open_light_is_no_change_of_what_the_open_photo_made_of_it(photo):
+    ring = open_light(LightSource("rig", "ring"))
+    brighter = replace(ring, edit=LightEdit(level_ev=2.0), environment=ring.environment.at_level(4.0))
+    document = Document(PhotoRef(photo), RING, LightEdit(level_ev=1.0))
+    assert BatchLights(brighter).of(document, FakeRelighter()).level == pytest.approx(2.0 * ring.base.level)
+
+
+def test_of_photos_that_borrow_the_light_of_others_each_is_relit_itself_and_each_lender_read_once(photo, lights):
+    lenders = [photo.with_name(f"lender{index}.png") for index in (0, 1)]
+    for index, lender in enumerate(lenders):
+        Image.fromarray(np.full((48, 64, 3), 60 + 60 * index, np.uint8)).save(lender)
+    relighter = FakeRelighter()
+    for index, lender in enumerate((*lenders, *lenders)):
+        document = Document(PhotoRef(photo), LightRef("portrait", str(lender)))
+        output = photo.with_name(f"relit{index}.png")
+        relight_as(document, lights, relighter, output, ExportSettings(".png"), KnownFiles([photo]))
+        assert Image.open(output).size == (128, 96)
+    read = [portrait.path for portrait, *_ in relighter.portraits]
+    assert read == [lenders[0], photo, lenders[1], photo, photo, photo]
 
 
 @pytest.mark.parametrize("written_over", ["me.png", "you.png"])

@@ -63,18 +63,18 @@ def turned(monkeypatch):
     return turned
 
 
-@pytest.mark.parametrize(("side", "px"), [(None, 1080), (2048, 2048)])
+@pytest.mark.parametrize(("side", "px", "name"), [(None, 1080, "turn.mp4"), (2048, 2048, "TURN.MP4")])
 def test_a_film_is_of_the_faces_and_strokes_at_the_size_and_exposure_that_are_set(
-    state, relighter, turned, tmp_path, side, px
+    state, relighter, turned, tmp_path, side, px, name
 ):
     state.export = replace(state.export, longest_side=side)
     save = Outputs(state, AtOnce(), lambda: relighter).film_writer()
     state.change(exposure_ev=-3.0)
-    save(tmp_path / "turn.mp4", False)
+    save(tmp_path / name, False)
     assert turned == [(30.0, 1.0, px, True)]
     assert [portrait[1:] for portrait in relighter.portraits] == [(1, BOXES)]
     assert relighter.strokes == STROKES
-    assert (tmp_path / "turn.mp4").read_bytes() == b"film"
+    assert (tmp_path / name).read_bytes() == b"film"
 
 
 @pytest.mark.parametrize(("replaces", "held"), [(False, b"another"), (True, b"film")])

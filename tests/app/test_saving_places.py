@@ -53,6 +53,20 @@ def test_a_session_that_was_saved_elsewhere_is_offered_that_place_and_saved_ther
     assert read_session(place).document.edit.shadow == 0.25
 
 
+@pytest.mark.parametrize(
+    ("wish", "name"), [("save_light", "mine.light.json"), ("save_session_as", "mine.relight.json")]
+)
+def test_no_file_of_another_kind_is_replaced_even_where_that_was_agreed_to(editor, tmp_path, wish, name):
+    place = tmp_path / name
+    place.write_text('{"of": "another program"}')
+    asked(editor, wish).then([place])
+    editor.answer_question("Replace")
+    assert place.read_text() == '{"of": "another program"}'
+    line, is_error = editor.said[-1]
+    assert is_error
+    assert "relight replaces only its own files, choose another name" in line
+
+
 def test_a_light_is_offered_its_name_beside_the_photo(editor, photos):
     editor.state.choose_light(LightSource("rig", "golden-hour"))
     assert asked(editor, "save_light").start == photos[0].with_name("golden-hour.light.json")
