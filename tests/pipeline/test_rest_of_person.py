@@ -19,7 +19,14 @@ from relight_core.pipeline.per_light.rest_of_person import (
 from relight_core.pipeline.per_photo.matte import Matte
 from relight_core.pipeline.per_photo.person import Canvas
 from relight_core.pipeline.results.channels import ViewChange
-from relight_core.pipeline.results.finish import PhotoProperties, gain_of_rest, mean_gain, place_views
+from relight_core.pipeline.results.finish import (
+    PhotoProperties,
+    gain_of_rest,
+    mean_gain,
+    place_views,
+    placed,
+    weights_on_views,
+)
 
 EVEN = torch.ones(1, 16, 32, 3)
 
@@ -300,6 +307,19 @@ def rest_of_person(exposure=1.0, level=1.0, tone=None, colour=(0.5, 0.25, 0.15),
     placement = place_views(canvas, [view], matte, ReflectionTable(), photo=photo)
     maps = (np.full((16, 16, 3), value * level, np.float32) for value in (0.5 * exposure, offset))
     return gain_of_rest(placement, [ViewChange(*maps, level)], EVEN)
+
+
+def test_the_one_view_of_a_photo_goes_over_into_the_rest_at_its_edge_and_is_as_it_was_made_in_its_middle():
+    linear, whole = np.full((90, 60, 3), 0.3, np.float32), np.ones((1, 1), np.float32)
+    matte = Matte(0 * whole, whole, linear[:1, :1], linear[:1, :1], whole)
+    placement = place_views(Canvas(linear, None, (90, 60)), [Crop(30.0, 40.0, 30.0)], matte, ReflectionTable())
+    change = ViewChange(*(np.full((64, 64, 3), value, np.float32) for value in (2.0, 0.1)), 1.0)
+    rest = np.full((9, 6, 3), 0.5, np.float32)
+    (seen,) = placed(placement, weights_on_views(placement, 64), [change], rest)
+    for maps, middle, around in ((seen.gain, 2.0, 0.5), (seen.offset, 0.1, 0.0)):
+        np.testing.assert_allclose(maps[16:48, 16:48], middle, rtol=1e-5)
+        for edge in (maps[0], maps[-1], maps[:, 0], maps[:, -1]):
+            np.testing.assert_allclose(edge, around, atol=0.05 * (middle - around))
 
 
 PRINT = np.linspace(0, 1, 5000, dtype=np.float32)[:, None] * np.float32([1.3, 0.95, 0.6])
