@@ -9,7 +9,7 @@ from relight_core.face.crop import Crop
 from relight_core.face.paste import Band
 from relight_core.imaging.black_level import Black
 from relight_core.pipeline.per_photo.matte import Matte
-from relight_core.pipeline.per_photo.person import Canvas, whole_person
+from relight_core.pipeline.per_photo.person import Canvas, Person, whole_person
 from relight_core.pipeline.results.backdrop import Backdrop
 from relight_core.pipeline.results.picture import Picture, PlacedCatchlight, PlacedChange
 
@@ -68,6 +68,27 @@ def test_drawing_a_picture_leaves_the_photo_as_it_is(backdrop):
     np.testing.assert_array_equal(first, second)
     after = picture.canvas.linear, picture.rest, picture.changes[0].gain
     assert all(np.array_equal(*pair) for pair in zip(before, after, strict=True))
+
+
+@pytest.mark.parametrize("backdrop", BACKDROPS)
+def test_no_pixel_is_darker_than_black_where_the_person_is_taken_for_brighter_than_the_photo(backdrop):
+    picture = some_picture(BACKDROPS[backdrop])
+    person = Person(np.full(SIZE, 0.5, np.float32), np.full((*SIZE, 3), 0.9, np.float32))
+    change = replace(picture.changes[0], gain=0 * picture.changes[0].gain, offset=0 * picture.changes[0].offset)
+    image, _ = replace(picture, person=person, changes=(change,), rest=0 * picture.rest).render()
+    assert (picture.canvas.linear < 0.45).any()
+    assert image.min() >= 0
+
+
+def test_a_view_counts_within_itself_and_the_rest_of_the_person_beyond_it():
+    picture = some_picture(BACKDROPS["keep"])
+    linear, one = picture.canvas.linear, np.ones((8, 8, 3), np.float32)
+    change = replace(picture.changes[0], gain=2 * one, offset=0 * one)
+    person = Person(np.ones(SIZE, np.float32), linear)
+    image, _ = replace(picture, person=person, changes=(change,), rest=0.5 * one).render()
+    gain = np.full((*SIZE, 1), 0.5, np.float32)
+    gain[8:32, 4:28] = 2.0
+    np.testing.assert_allclose(image, gain * linear, rtol=1e-4, atol=1e-6)
 
 
 def test_an_eye_that_is_less_than_a_pixel_of_a_copy_is_no_fault_and_no_larger_than_that():
