@@ -50,7 +50,7 @@ _WHOLE_PIXEL = 0.99
 
 
 @dataclass(frozen=True)
-class Seen:
+class DelitPhoto:
     """A photo and what de-lighting found in it, or is told about it.
 
     Attributes:
@@ -69,10 +69,10 @@ class Seen:
 
 
 @dataclass(frozen=True)
-class TakenApart:
+class ReadyPhoto:
     """What was seen, made ready for any light."""
 
-    seen: Seen
+    seen: DelitPhoto
     surface: ReadySurface
     residual: Residual
 
@@ -100,33 +100,33 @@ class Editor:
     tier: Tier
     device: str
 
-    def take_apart(self, photo: np.ndarray) -> TakenApart:
+    def take_apart(self, photo: np.ndarray) -> ReadyPhoto:
         """De-light a photo (S, S, 3), linear, and make it ready."""
         return self.ready(self.look(photo))
 
-    def look(self, photo: np.ndarray) -> Seen:
+    def look(self, photo: np.ndarray) -> DelitPhoto:
         """De-light a photo and explain its light."""
         small = resize_area(photo, (self.tier.network_size, self.tier.network_size))
         found = take_apart(self.bundle, photo, self.tier, self.device)
         relief, reflector = stages.march(found, self.tier.relief_size), stages.reflector(self.table, found)
         light = explain_source_light(found, reflector, relief)
         surface = flatten_albedo(found, relief, light, stages.reflect(reflector, light))
-        return Seen(photo, small, surface, light, reflector, relief)
+        return DelitPhoto(photo, small, surface, light, reflector, relief)
 
-    def told(self, seen: Seen, surface: stages.Surface, light: torch.Tensor) -> Seen:
+    def told(self, seen: DelitPhoto, surface: stages.Surface, light: torch.Tensor) -> DelitPhoto:
         """The same photo with another surface, or its own, and another light."""
         if surface is seen.surface:
             return replace(seen, light=light)
         relief, reflector = stages.march(surface, self.tier.relief_size), stages.reflector(self.table, surface)
         return replace(seen, surface=surface, light=light, reflector=reflector, relief=relief)
 
-    def ready(self, seen: Seen) -> TakenApart:
+    def ready(self, seen: DelitPhoto) -> ReadyPhoto:
         """What is left to do before any light can be asked for."""
         surface, light = seen.surface, seen.light
         ready = ReadySurface(surface, seen.reflector, seen.relief)
         residual = find_residual(surface, surface.photo, light, lambda own: self.light(ready, own).composed)
         lamps_view = ready_for_lamps(surface, seen.relief, partial(stages.reflect, seen.reflector))
-        return TakenApart(seen, replace(ready, lamps_view=lamps_view), residual)
+        return ReadyPhoto(seen, replace(ready, lamps_view=lamps_view), residual)
 
     def light(self, surface: ReadySurface, light: torch.Tensor, lamps: Sequence[Lamp] = ()) -> Lit:
         """`light_surface` by the networks that the tier runs."""
@@ -135,7 +135,7 @@ class Editor:
         composing = networks if self.tier.correction else None
         return light_surface(surface, light, occluding, composing, lamps)
 
-    def relight(self, found: TakenApart, target: HeldOutLight) -> dict[str, np.ndarray]:
+    def relight(self, found: ReadyPhoto, target: HeldOutLight) -> dict[str, np.ndarray]:
         """The channels "specular", "shadow" and "composition" at the photo's size."""
         light, seen = torch.from_numpy(target.radiance)[None].to(self.device), found.seen
         lit = self.light(found.surface, light, target.small_lamps)
@@ -163,7 +163,7 @@ class Bench:
     def __init__(self, editor: Editor, head: HeldOutHead, lights: list[HeldOutLight], photos: Photos):
         self._editor, self._head, self._lights, self._photos = editor, head, lights, photos
         self._truth, self._covered = head.surface(), head.lit.head.covered
-        self._found: dict[int, TakenApart] = {}
+        self._found: dict[int, ReadyPhoto] = {}
         perfect = true_surface(head, lights[0], editor.tier.network_size, editor.device)
         relief, reflector = stages.march(perfect, editor.tier.relief_size), stages.reflector(editor.table, perfect)
         self._perfect = ReadySurface(perfect, reflector, relief)

@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 import torch
 
-from relight_core.evaluation.bench import Editor, TakenApart, masks_of
+from relight_core.evaluation.bench import Editor, ReadyPhoto, masks_of
 from relight_core.evaluation.counted import counted
 from relight_core.evaluation.evaluate import HeldOut, Rows, Settings
 from relight_core.evaluation.held_out import Case, HeldOutHead, HeldOutLight, Photos
@@ -119,7 +119,7 @@ class _ToldBench:
     def __init__(self, editor: Editor, head: HeldOutHead, lights: list[HeldOutLight], photos: Photos):
         self._editor, self._head, self._lights, self._photos = editor, head, lights, photos
         self._true = true_surface(head, lights[0], editor.tier.network_size, editor.device)
-        self._ready: dict[int, dict[str, TakenApart]] = {}
+        self._ready: dict[int, dict[str, ReadyPhoto]] = {}
 
     def score(self, case: Case) -> dict[tuple[str, str], Figures]:
         """Figures of one relighting, by row and group."""
@@ -134,7 +134,7 @@ class _ToldBench:
                 figures[row, group] = score_relit(relit, truth, exposure, head.lit.head.covered, mask)
         return figures
 
-    def _made_ready(self, source: int) -> dict[str, TakenApart]:
+    def _made_ready(self, source: int) -> dict[str, ReadyPhoto]:
         editor, seen = self._editor, self._editor.look(self._head.photo(source, self._photos))
         light = torch.from_numpy(self._lights[source].radiance)[None].to(editor.device)
         told = {row: tell(seen.surface, seen.light, self._true, light) for row, tell in ROWS.items()}

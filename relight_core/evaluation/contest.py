@@ -10,9 +10,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from relight_core.evaluation.bench import Editor
-from relight_core.evaluation.bench import TakenApart as EditorsTakenApart
-from relight_core.evaluation.direct import DirectRelighter, TakenApart, found_channels
+from relight_core.evaluation.bench import Editor, ReadyPhoto
+from relight_core.evaluation.direct import DirectRelighter, FoundSurface, found_channels
 from relight_core.evaluation.evaluate import intervals_over_heads
 from relight_core.evaluation.held_out import (
     Case,
@@ -74,13 +73,13 @@ class OurNetworks:
     def __init__(self, bundle: NetworkBundle, table: ReflectionTable):
         self._direct = DirectRelighter(bundle, table)
 
-    def look(self, photo: np.ndarray) -> TakenApart:
+    def look(self, photo: np.ndarray) -> FoundSurface:
         return self._direct.take_apart(photo)
 
-    def relight(self, seen: TakenApart, task: Task) -> Mapping[str, np.ndarray]:
+    def relight(self, seen: FoundSurface, task: Task) -> Mapping[str, np.ndarray]:
         return self._direct.relight(seen, task.light)
 
-    def channels(self, seen: TakenApart) -> Mapping[str, np.ndarray]:
+    def channels(self, seen: FoundSurface) -> Mapping[str, np.ndarray]:
         return found_channels(seen)
 
 
@@ -91,13 +90,13 @@ class OurEditor:
         """Take networks that are ready for inference."""
         self._editor = Editor(bundle, table, tier, table.transport.device.type)
 
-    def look(self, photo: np.ndarray) -> EditorsTakenApart:
+    def look(self, photo: np.ndarray) -> ReadyPhoto:
         return self._editor.take_apart(photo)
 
-    def relight(self, seen: EditorsTakenApart, task: Task) -> Mapping[str, np.ndarray]:
+    def relight(self, seen: ReadyPhoto, task: Task) -> Mapping[str, np.ndarray]:
         return self._editor.relight(seen, HeldOutLight("target", task.light, False, task.small_lamps))
 
-    def channels(self, seen: EditorsTakenApart) -> Mapping[str, np.ndarray]:
+    def channels(self, seen: ReadyPhoto) -> Mapping[str, np.ndarray]:
         return seen.channels
 
 

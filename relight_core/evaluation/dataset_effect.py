@@ -59,7 +59,7 @@ class Lesson:
 
 
 @dataclass(frozen=True)
-class Seen:
+class DelitFace:
     """One face as a network takes it apart; images are float32 (S, S, 3).
 
     Attributes:
@@ -75,7 +75,7 @@ class Seen:
 
 
 @dataclass(frozen=True)
-class Figures:
+class DatasetFigures:
     """Means over photos.
 
     Attributes:
@@ -100,7 +100,7 @@ class Comparison:
         photos: how many had a face.
     """
 
-    figures: dict[str, Figures]
+    figures: dict[str, DatasetFigures]
     pictures: list[tuple[str, np.ndarray]]
     photos: int
 
@@ -178,7 +178,7 @@ def compare_photos(pupils: dict[str, NetworkBundle], paths: list[Path], size: in
         InputError: a photo can't be read.
     """
     parser = load_bundle(resource_path(*WEIGHTS)).for_inference()
-    seen: dict[str, list[Seen]] = {name: [] for name in pupils}
+    seen: dict[str, list[DelitFace]] = {name: [] for name in pupils}
     pictures: list[tuple[str, np.ndarray]] = []
     for path in paths:
         photo = read_photo(path).seen
@@ -192,7 +192,7 @@ def compare_photos(pupils: dict[str, NetworkBundle], paths: list[Path], size: in
 
 
 @torch.no_grad()
-def look(pupil: NetworkBundle, parser: NetworkBundle, photo: Photo, size: int) -> Seen:
+def look(pupil: NetworkBundle, parser: NetworkBundle, photo: Photo, size: int) -> DelitFace:
     """Take the photo's largest face apart.
 
     Args:
@@ -209,23 +209,23 @@ def look(pupil: NetworkBundle, parser: NetworkBundle, photo: Photo, size: int) -
     labels = parser.delight(as_tensor(seen_srgb)).parsing_logits.argmax(1)[0].numpy()
     at = (np.arange(size) + 0.5) * len(labels) / size
     face = np.isin(labels[np.ix_(at.astype(int), at.astype(int))], FACE_LABELS)
-    return Seen(photo_srgb, as_image(found.albedo_srgb), as_image(found.normal), face)
+    return DelitFace(photo_srgb, as_image(found.albedo_srgb), as_image(found.normal), face)
 
 
-def measure(seen: list[Seen]) -> Figures:
+def measure(seen: list[DelitFace]) -> DatasetFigures:
     """Figures of a network over photos, one face each; NaN where no photo allows one."""
     details = [_gradient_correlation(s) for s in seen if s.face.sum() > 30]
     tones = [_log_luminance(s.albedo_srgb)[s.face].mean() for s in seen if s.face.any()]
     sides = [_sides(s) for s in seen]
     left = [albedo / photo for photo, albedo in sides if abs(photo) > 0.25]
-    return Figures(
+    return DatasetFigures(
         float(np.mean(details)) if details else np.nan,
         float(np.std(tones)) if tones else np.nan,
         float(np.mean(left)) if left else np.nan,
     )
 
 
-def _gradient_correlation(seen: Seen) -> float:
+def _gradient_correlation(seen: DelitFace) -> float:
     inner = seen.face[:-1, :-1] & seen.face[1:, :-1] & seen.face[:-1, 1:]
     slopes = []
     for image in (seen.photo_srgb, seen.albedo_srgb):
@@ -235,7 +235,7 @@ def _gradient_correlation(seen: Seen) -> float:
     return float(np.corrcoef(*slopes)[0, 1]) if min(s.std() for s in slopes) > 0 else 0.0
 
 
-def _sides(seen: Seen) -> tuple[float, float]:
+def _sides(seen: DelitFace) -> tuple[float, float]:
     """Left half less right half of the face, in stops: of the photo and of the albedo."""
     columns = np.nonzero(seen.face)[1]
     if len(columns) == 0:

@@ -31,7 +31,7 @@ from relight_core.pipeline.per_light.hints import (
 
 
 @dataclass(frozen=True)
-class TakenApart:
+class FoundSurface:
     """What de-lighting found in one photo, (1, C, S, S); the last three only where SS asks for them."""
 
     albedo: torch.Tensor
@@ -51,22 +51,22 @@ class DirectRelighter:
         self._device = table.transport.device
 
     @torch.inference_mode()
-    def take_apart(self, photo: np.ndarray) -> TakenApart:
+    def take_apart(self, photo: np.ndarray) -> FoundSurface:
         """De-light a photo (S, S, 3), linear, [0, 1]; S a multiple of what the network wants."""
         linear = as_tensor(photo, self._device).float()
         found = self._bundle.delight(srgb_encode(linear).contiguous(memory_format=torch.channels_last))
         normal = F.normalize(found.normal.float(), dim=1, eps=1e-4)
         parts = (srgb_decode(found.albedo_srgb.float()), normal, found.light.float())
         if not self._bundle.config.specular_shadow.reads_relief:
-            return TakenApart(*parts)
+            return FoundSurface(*parts)
         parsing = torch.softmax(found.parsing_logits.float(), 1)
         person = 1 - parsing[:, INDEX["background"], None]
         relief = stages.height_of(found.relief.float(), photo.shape[0])
         transport = march_relief(relief[0, 0].cpu(), normal[0].cpu(), person[0, 0].cpu())
-        return TakenApart(*parts, transport, relief, parsing)
+        return FoundSurface(*parts, transport, relief, parsing)
 
     @torch.inference_mode()
-    def relight(self, found: TakenApart, radiance: np.ndarray) -> dict[str, np.ndarray]:
+    def relight(self, found: FoundSurface, radiance: np.ndarray) -> dict[str, np.ndarray]:
         """Relight by a normalised light (16, 32, 3).
 
         Returns:
@@ -87,7 +87,7 @@ class DirectRelighter:
         )
         return channels | {"composition": as_image(image)}
 
-    def _effects(self, found: TakenApart, reflected: torch.Tensor, light: torch.Tensor) -> Effects:
+    def _effects(self, found: FoundSurface, reflected: torch.Tensor, light: torch.Tensor) -> Effects:
         config, fraction = self._bundle.config.specular_shadow, None
         if found.transport is not None:
             fraction = found.transport.shadow_fraction(light.cpu()).to(self._device)
@@ -96,7 +96,7 @@ class DirectRelighter:
         return replace(estimated_effects(config, estimate, reflected, found.albedo), by_relief=fraction)
 
 
-def _shown_shadow(found: TakenApart, reflected: torch.Tensor, effects: Effects) -> torch.Tensor:
+def _shown_shadow(found: FoundSurface, reflected: torch.Tensor, effects: Effects) -> torch.Tensor:
     """Of the shadow what composition is shown, in training as in the editor (`hints.doubtful_shadow`)."""
     if found.parsing is None:
         return effects.shadow
@@ -104,7 +104,7 @@ def _shown_shadow(found: TakenApart, reflected: torch.Tensor, effects: Effects) 
     return doubtful_shadow(effects, diffuse, gloss, bare_skin(found.parsing))
 
 
-def found_channels(found: TakenApart) -> dict[str, np.ndarray]:
+def found_channels(found: FoundSurface) -> dict[str, np.ndarray]:
     """What `scoring.score_surface` compares; these networks' one light stands for both it asks for."""
     light = found.light[0].cpu().numpy()
     return {"albedo": as_image(found.albedo), "normal": as_image(found.normal), "guess": light, "source_light": light}

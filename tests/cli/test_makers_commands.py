@@ -388,7 +388,7 @@ def test_a_recipe_s_result_is_not_written_over_the_weights_it_begins_with(run, d
 
 
 def test_effect_shows_a_dash_for_what_no_photo_tells(run, data, tmp_path, monkeypatch):
-    figures = dataset_effect.Figures(detail=0.5, spread=0.25, light_left=np.nan)
+    figures = dataset_effect.DatasetFigures(detail=0.5, spread=0.25, light_left=np.nan)
     found = dataset_effect.Comparison({"plain": figures}, [("photo", np.zeros((32, 32, 3), np.float32))], 1)
     monkeypatch.setattr(dataset_effect, "taught", lambda *_, **__: None)
     monkeypatch.setattr(dataset_effect, "photos_of_people", lambda paths: paths)

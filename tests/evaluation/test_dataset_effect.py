@@ -11,7 +11,7 @@ from relight_core.dataset import stream
 from relight_core.dataset.painting.texture import TexturePool
 from relight_core.errors import InputError
 from relight_core.evaluation import dataset_effect
-from relight_core.evaluation.dataset_effect import Lesson, Seen, measure, taught
+from relight_core.evaluation.dataset_effect import DelitFace, Lesson, measure, taught
 from relight_core.face.find import FaceBox
 from relight_core.imaging.write import write_image
 from relight_core.networks.bundle import BundleConfig, NetworkBundle
@@ -27,7 +27,8 @@ def person(tone, contrast=1.0, slope=0.0, albedo_slope=0.0):
     albedo = 2.0 ** (tone + contrast * pattern + albedo_slope * across)
     face = np.zeros((SIZE, SIZE), bool)
     face[4:-4, 4:-4] = True
-    return Seen(*(encode(np.repeat(x[..., None], 3, -1)) for x in (photo, albedo)), np.zeros((SIZE, SIZE, 3)), face)
+    shown = (encode(np.repeat(x[..., None], 3, -1)) for x in (photo, albedo))
+    return DelitFace(*shown, np.zeros((SIZE, SIZE, 3)), face)
 
 
 def encode(linear):
