@@ -81,9 +81,8 @@ def pareto(points: list[tuple[float, float]]) -> list[bool]:
 def as_markdown(result: BenchResult) -> str:
     """Tables of the actions, the stages and the limits."""
     machine = result.machine
-    load = f", load {machine['load_average']}" if machine.get("load_average") is not None else ""
     lines = [
-        f"{machine['processor']}, {counted(machine['threads'], 'thread')} of {machine['cores']} cores{load}; "
+        f"{machine['processor']}, {counted(machine['threads'], 'thread')} of {machine['cores']} cores{_load(machine)}; "
         f"torch {machine['torch']} on {machine['device']}, {machine['system']}",
         *_start(machine),
         "",
@@ -94,6 +93,11 @@ def as_markdown(result: BenchResult) -> str:
         *_limits(result),
     ]
     return "\n".join(lines) + "\n"
+
+
+def _load(machine: dict) -> str:
+    load = machine.get("load_average")
+    return "" if load is None else f", load {load}"
 
 
 def _start(machine: dict) -> list[str]:
@@ -153,8 +157,8 @@ def plot(result: BenchResult, path: Path) -> None:
     for axes, (title, errors) in zip(places[0], kinds, strict=False):
         _scatter(axes, result.rows, errors)
         axes.set(xlabel="milliseconds from a turned light to the picture, median", ylabel=title)
-    load = result.machine.get("load_average")
-    words = f"{result.machine['processor']}, {counted(result.machine['threads'], 'thread')}, load {load}"
+    machine = result.machine
+    words = f"{machine['processor']}, {counted(machine['threads'], 'thread')}{_load(machine)}"
     figure.suptitle(words, fontsize=9)
     figure.savefig(path, dpi=120, format="png")
     pyplot.close(figure)

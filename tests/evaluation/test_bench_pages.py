@@ -9,7 +9,7 @@ import pytest
 from relight_core.evaluation.bench_accuracy import Accuracy
 from relight_core.evaluation.bench_configurations import Configuration, configurations
 from relight_core.evaluation.bench_machine import Demand, Peaks, demands
-from relight_core.evaluation.bench_report import BenchResult, Row, as_markdown
+from relight_core.evaluation.bench_report import BenchResult, Row, as_full_record, as_markdown, plot
 from relight_core.evaluation.bench_session import Savings
 from relight_core.evaluation.bench_session import as_markdown as session_words
 from relight_core.evaluation.bench_timing import Spread, Timing
@@ -25,7 +25,8 @@ def row(name, rotation_ms, rmse, is_tier=True):
     actions = {"delight": Spread(50.0, 60.0), "rotation": Spread(rotation_ms, 9.0), "slider": Spread(0.5, 0.75)}
     timing = Timing(actions, {"compose": Spread(2.0, 3.0)}, None)
     accuracy = Accuracy(rmse, 20.0, 0.0125)
-    return Row(Configuration(name, SMALL, name, is_tier), timing, accuracy, {"compose": Demand(1.0, 2.0)})
+    setting = Configuration(name, SMALL, name.split()[-1], is_tier)
+    return Row(setting, timing, accuracy, {"compose": Demand(1.0, 2.0)})
 
 
 def page(*rows, **machine):
@@ -35,6 +36,8 @@ def page(*rows, **machine):
 def test_a_page_has_a_star_at_what_nothing_beats_and_tiers_in_bold():
     lines = page(row("draft", 1.0, 0.2), row("slow draft", 2.0, 0.25, is_tier=False), row("live", 3.0, 0.1))
     assert lines[0] == "A chip, 1 thread of 2 cores; torch 2.0 on cpu, Linux"
+    assert "| | de-light | rotation | slider | RMSE | PSNR | against final | MiB |" in lines
+    assert "| network | GFLOP | MB | least ms | measured ms |" in lines
     rows = [line for line in lines if "50.0 (60.0)" in line]
     assert rows == [
         "| **draft** * | 50.0 (60.0) | 1.0 (9.0) | 0.5 (0.8) | 0.2000 | 20.0 | 0.0125 | – |",
@@ -46,6 +49,84 @@ def test_a_page_has_a_star_at_what_nothing_beats_and_tiers_in_bold():
     assert limits == [f"| {name}: compose | 1.00 | 2.0 | 20.0 | 2.0 (3.0) |" for name in ("draft", "live")]
     assert "Measured peaks: 50 GFLOP/s in fp32, 8.0 GB/s." in lines
     assert not any("From the start of the program" in line for line in lines)
+
+
+def test_every_stage_has_a_column_though_some_settings_leave_it_out():
+    with_network = row("live", 3.0, 0.1)
+    timing = replace(with_network.timing, stages={"light": Spread(4.0, 5.0), "compose": Spread(6.0, 7.0)})
+    lines = page(row("draft", 1.0, 0.2), replace(with_network, timing=timing))
+    at = lines.index("| stage, ms | compose | light |")
+    assert lines[at + 2 : at + 4] == ["| draft | 2.0 (3.0) | – |", "| live | 6.0 (7.0) | 4.0 (5.0) |"]
+
+
+def test_a_variant_is_recorded_with_its_tier_and_what_its_own_precision_takes_at_least():
+    variant = row("slow draft", 2.0, 0.123456, is_tier=False)
+    result = BenchResult(MACHINE, Peaks({"fp32": 50.0, "bf16": 200.0}, 8.0), [variant])
+    record = as_full_record(result)
+    assert record["machine"] == MACHINE | {"peak_gflops": {"fp32": 50.0, "bf16": 200.0}, "peak_bandwidth_gb_s": 8.0}
+    (entry,) = record["configurations"]
+    assert (entry["name"], entry["tier"], entry["memory_mib"]) == ("slow draft", "draft", None)
+    assert entry["error"] == {"rmse": 0.12346, "psnr": 20.0, "against_final": 0.0125}
+    # 1 GFLOP at 200 a second, which is slower than 2 MB at 8 GB a second.
+    assert entry["networks"] == {"compose": {"gflop": 1.0, "megabytes": 2.0, "least_ms": 5.0}}
+    tier = replace(variant, configuration=Configuration("draft", SMALL, "draft", True))
+    assert "| draft: compose | 1.00 | 2.0 | 5.0 | 2.0 (3.0) |" in as_markdown(replace(result, rows=[tier]))
+
+
+@pytest.fixture
+def plotted(monkeypatch):
+    """Plots a result, and gives its title and its axes."""
+    pytest.importorskip("matplotlib", reason="plots need the training extra")
+    from matplotlib.figure import Figure
+
+    figures = []
+    monkeypatch.setattr(Figure, "savefig", lambda figure, *_, **__: figures.append(figure))
+
+    def draw(*rows, **machine):
+        plot(BenchResult(MACHINE | machine, Peaks({"fp32": 50.0}, 8.0), list(rows)), "bench.png")
+        return figures[-1].get_suptitle(), figures[-1].axes
+
+    return draw
+
+
+@pytest.mark.parametrize(("load", "busy"), [(None, ""), (0.5, ", load 0.5")])
+def test_a_plot_is_of_a_machine_and_says_how_busy_it_was_where_that_is_known(plotted, load, busy):
+    title, _ = plotted(row("draft", 1.0, 0.2), load_average=load)
+    assert title == f"A chip, 1 thread{busy}"
+
+
+def test_a_plot_has_every_setting_where_its_times_and_errors_are_and_the_front_drawn(plotted):
+    rows = [row("live", 3.0, 0.1), row("slow draft", 2.0, 0.25, is_tier=False), row("draft", 1.0, 0.2)]
+    rows = [replace(one, accuracy=replace(one.accuracy, against_final=0.5 - one.accuracy.rmse)) for one in rows]
+    _, (truth, final) = plotted(*rows)
+    assert truth.get_xlabel() == "milliseconds from a turned light to the picture, median"
+    assert truth.get_ylabel() == "RMSE against the truth, sRGB"
+    assert final.get_ylabel() == "RMSE against the final tier, sRGB"
+    assert truth.lines[0].get_xydata().tolist() == [[1.0, 0.2], [3.0, 0.1]]
+    for axes, errors in ((truth, (0.1, 0.25, 0.2)), (final, (0.4, 0.25, 0.3))):
+        points = {tuple(dots.get_offsets()[0]): dots for dots in axes.collections}
+        labels = {text.get_text(): text.xy for text in axes.texts}
+        colours = {}
+        for one, error in zip(rows, errors, strict=True):
+            name, at = one.configuration.name, (one.timing.actions["rotation"].median, pytest.approx(error))
+            (dots,) = [dots for point, dots in points.items() if point == at]
+            colours[name] = tuple(dots.get_facecolor()[0])
+            # Beside its point, and so near in height that no other is nearer.
+            assert labels[name][0] == pytest.approx(at[0], abs=0.1)
+            assert labels[name][1] == pytest.approx(error, abs=0.02)
+            assert axes.get_xlim()[0] <= at[0] < axes.get_xlim()[1]
+            assert axes.get_ylim()[0] < error < axes.get_ylim()[1]
+        beaten = {"slow draft"} if axes is truth else {"live"}
+        assert {name for name in colours if colours[name] != colours["draft"]} == beaten
+
+
+def test_labels_of_settings_that_are_alike_are_drawn_below_each_other(plotted):
+    _, (axes, _) = plotted(
+        *(row(f"{number} draft", 2.0, 0.2, is_tier=False) for number in range(4)), row("live", 2.0, 0.1)
+    )
+    heights = sorted(text.xy[1] for text in axes.texts)
+    assert min(upper - lower for lower, upper in zip(heights, heights[1:], strict=False)) > 0.004
+    assert axes.get_ylim()[0] < heights[0]
 
 
 def test_a_page_tells_how_busy_the_machine_was_and_how_soon_there_is_a_picture():
