@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 
+from relight_core.evaluation.counted import counted
 from relight_core.evaluation.stride import stride_around
 from relight_core.evaluation.tables import figure_text, markdown_table
 from relight_core.imaging.photo import Photo
@@ -196,10 +197,10 @@ def as_markdown(savings: Savings) -> str:
     """The figures in words."""
     share, time = savings.avoided / max(savings.runs, 1), savings.ms / max(savings.ms_of_everything, 1e-9)
     lines = [
-        f"{savings.updates} updates: {100 * share:.1f} % of {savings.runs} stage runs avoided;",
+        f"{counted(savings.updates, 'update')}: {100 * share:.1f} % of {counted(savings.runs, 'stage run')} avoided;",
         f"{savings.ms / 1e3:.1f} s, against {savings.ms_of_everything / 1e3:.1f} s if every stage ran every time "
         f"({100 * time:.1f} %);",
-        f"largest error {255 * savings.largest_error:.2f} / 255 over {savings.compared} pictures compared, "
+        f"largest error {255 * savings.largest_error:.2f} / 255 over {counted(savings.compared, 'picture')} compared, "
         f"largest bound given {255 * savings.largest_bound:.2f} / 255.",
     ]
     lines += [f"OUT OF BOUNDS: {line}" for line in savings.broken]

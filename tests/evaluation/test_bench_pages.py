@@ -173,19 +173,23 @@ def left_out(bound, saved_ms):
 
 
 def test_every_reason_for_leaving_an_effect_out_has_its_times_and_its_largest_error():
-    savings = Savings(updates=2, runs=8, avoided=2, ms=500.0, ms_of_everything=2000.0, largest_error=0.02, compared=2)
+    times = {"ms": 500.0, "ms_of_everything": 2000.0}
+    savings = Savings(2, 8, 2, **times, largest_error=0.02, largest_bound=0.03, compared=2)
     for bound, saved_ms, error in ((0.01, 20.0, 0.004), (0.03, 30.0, 0.001), (0.02, None, None)):
         savings.note_rules(left_out(bound, saved_ms), error)
     lines = session_words(savings).splitlines()
     assert lines[0] == "2 updates: 25.0 % of 8 stage runs avoided;"
     assert lines[1] == "0.5 s, against 2.0 s if every stage ran every time (25.0 %);"
-    assert lines[2].startswith("largest error 5.10 / 255 over 2 pictures compared")
+    assert lines[2] == "largest error 5.10 / 255 over 2 pictures compared, largest bound given 7.65 / 255."
+    assert lines[4] == "| effect | | because | times | saved, s | bound / 255 | compared | largest error / 255 |"
     assert lines[-2:] == [
         "| detail | reused | the same | 3 | 0.00 | – | 2 | 1.02 |",
         "| relief | skipped | flat | 3 | 0.05 | 7.65 | 2 | 1.02 |",
     ]
     record = savings.as_record()
     assert (record["share_avoided"], record["share_of_time"]) == (0.25, 0.25)
+    assert (record["ms"], record["ms_of_everything"]) == (500.0, 2000.0)
+    assert (record["largest_error"], record["largest_bound"]) == (0.02, 0.03)
     assert record["rules"][1] == {
         "effect": "relief",
         "state": "skipped",
@@ -196,3 +200,9 @@ def test_every_reason_for_leaving_an_effect_out_has_its_times_and_its_largest_er
         "compared": 2,
         "largest_error": 0.004,
     }
+
+
+def test_one_of_each_is_told_as_one():
+    lines = session_words(Savings(updates=1, runs=1, avoided=1, compared=1)).splitlines()
+    assert lines[0] == "1 update: 100.0 % of 1 stage run avoided;"
+    assert " over 1 picture compared, " in lines[2]
