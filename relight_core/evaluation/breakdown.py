@@ -152,11 +152,12 @@ def _summed_up(rows: Rows, untold: Rows) -> dict[str, Interval]:
 
 
 def as_record(breakdown: Breakdown) -> dict:
-    """One JSON-ready object: by row and group the means, in dB, and the gains' 95 % intervals."""
+    """One JSON-ready object: by row and group the means, in dB, and the 95 % intervals of both gains."""
+    gains = {"gain_interval": "relit.psnr_gain", "aligned_gain_interval": "relit.psnr_aligned_gain"}
     rows = {
         row: {
             group: {name.removeprefix("relit."): value.mean for name, value in figures.items()}
-            | {"gain_interval": [known(bound) for bound in figures["relit.psnr_gain"][1:]]}
+            | {key: [known(bound) for bound in figures[name][1:]] for key, name in gains.items()}
             for group, figures in groups.items()
         }
         for row, groups in breakdown.figures.items()

@@ -10,8 +10,10 @@ import pytest
 import torch
 from synthetic_heads import write_balls, write_lights
 
-from relight_core.evaluation.breakdown import ROWS, as_markdown, as_record, break_down
+from relight_core.evaluation.breakdown import ROWS, Breakdown, as_markdown, as_record, break_down
 from relight_core.evaluation.evaluate import Settings, evaluate
+from relight_core.evaluation.held_out import HeldOutHead
+from relight_core.evaluation.metrics import Interval
 from relight_core.networks.bundle import BundleConfig, NetworkBundle
 from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.pipeline.stages import Surface
@@ -54,8 +56,9 @@ def surface(seed, labels):
 
 
 def told(row, labels=None):
-    labels = np.full((4, 4), SKIN) if labels is None else labels
-    found, true = surface(0, labels), surface(1, labels)
+    true = surface(1, np.full((4, 4), SKIN) if labels is None else labels)
+    found = surface(0, np.full((4, 4), CLOTH) if labels is None else labels[::-1])
+    found = replace(found, person=0.5 * found.person)
     light, true_light = torch.rand(1, 16, 32, 3), torch.rand(1, 16, 32, 3)
     changed, lit_by = ROWS[row](found, light, true, true_light)
     return found, true, changed, (lit_by is light, lit_by is true_light)
@@ -68,14 +71,14 @@ def told(row, labels=None):
         ("all normals", {"normal"}),
         ("relief", {"relief"}),
         ("normals and relief", {"normal", "relief"}),
-        ("the whole surface", {"albedo", "normal", "relief"}),
+        ("the whole surface", {"albedo", "normal", "relief", "parsing", "person"}),
         ("the photo's light", set()),
-        ("the whole surface and the photo's light", {"albedo", "normal", "relief"}),
+        ("the whole surface and the photo's light", {"albedo", "normal", "relief", "parsing", "person"}),
     ],
 )
 def test_a_row_tells_its_own_part_and_no_other(row, parts):
     found, true, changed, (own_light, _) = told(row)
-    for name in ("albedo", "normal", "relief", "photo"):
+    for name in ("albedo", "normal", "relief", "parsing", "person", "photo"):
         source = true if name in parts else found
         assert torch.equal(getattr(changed, name), getattr(source, name)), name
     assert own_light == (row not in ("the photo's light", "the whole surface and the photo's light"))
@@ -102,12 +105,15 @@ def test_normals_of_a_region_end_where_it_does(row, label):
 
 
 def test_told_the_level_an_albedo_is_as_bright_as_the_true_one_and_no_nearer_otherwise():
-    labels = np.full((4, 4), SKIN)
-    true = surface(1, labels)
-    dim = Surface(**{**true.__dict__, "albedo": true.albedo / 3})
+    true = surface(1, np.full((4, 4), SKIN))
+    # A pixel that is not all of the head has no say, and what it comes to is an albedo nevertheless.
+    true.person[..., 0] = 0.5
+    dim = replace(true, albedo=true.albedo / 3)
+    dim.albedo[..., 0] = 0.9
     light = torch.rand(1, 16, 32, 3)
     changed, _ = ROWS["level of the albedo"](dim, light, true, light)
-    assert torch.allclose(changed.albedo, true.albedo, atol=0.01)
+    assert torch.allclose(changed.albedo[..., 1:], true.albedo[..., 1:], atol=0.01)
+    assert float(changed.albedo.max()) == 1
 
 
 def test_told_nothing_the_figures_are_those_of_the_evaluation(breakdown, bundle, settings):
@@ -116,6 +122,43 @@ def test_told_nothing_the_figures_are_those_of_the_evaluation(breakdown, bundle,
         untold = breakdown.figures["nothing"][group]
         assert untold["relit.psnr"].mean == pytest.approx(measured[group]["relit.psnr"].mean, abs=1e-6)
         assert untold["relit.psnr_gain"].mean == 0
+
+
+@pytest.mark.parametrize("measured", [break_down, evaluate])
+@pytest.mark.parametrize("photos", ["clean", "camera"])
+def test_the_photos_are_of_the_kind_that_was_asked_for(bundle, settings, monkeypatch, measured, photos):
+    def photo(head, light, kind):
+        raise LookupError(kind)
+
+    monkeypatch.setattr(HeldOutHead, "photo", photo)
+    with pytest.raises(LookupError, match=photos):
+        measured(bundle, replace(settings, photos=photos))
+
+
+def some_figures(psnr, aligned, gain):
+    names = ("relit.psnr", "relit.psnr_gain", "relit.psnr_aligned", "relit.psnr_aligned_gain")
+    values = (psnr, gain, aligned, 2 * gain)
+    return {name: Interval(value, value - 0.25, value + 0.5) for name, value in zip(names, values, strict=True)}
+
+
+def test_every_gain_stands_with_its_interval_under_what_it_was_measured_on(settings):
+    nothing = {"panoramas": some_figures(20, 22, 0), "lamps": some_figures(10, 11, 0)}
+    albedo = {"panoramas": some_figures(21, 24, 1), "lamps": some_figures(9, 9, -1)}
+    made = Breakdown({"nothing": nothing, "albedo": albedo}, {"panoramas": 6, "lamps": 8}, 2)
+    page = as_markdown(made, "w", replace(settings, split="validation", photos="camera")).splitlines()
+    assert page[2].startswith("w; validation split: 2 heads ")
+    assert ", camera photos. " in page[2]
+    assert page[4] == (
+        "| de-lighting is told | panoramas (6), dB | panoramas (6), one exposure | lamps (8), dB | "
+        "lamps (8), one exposure |"
+    )
+    assert page[6] == "| nothing | 20.00 | 22.00 | 10.00 | 11.00 |"
+    assert page[7] == (
+        "| albedo | +1.00 (+0.75 to +1.50) | +2.00 (+1.75 to +2.50) | -1.00 (-1.25 to -0.50) | -2.00 (-2.25 to -1.50) |"
+    )
+    recorded = as_record(made)["rows"]["albedo"]["panoramas"]
+    assert (recorded["psnr"], recorded["psnr_gain"], recorded["psnr_aligned_gain"]) == (21, 1, 2)
+    assert (recorded["gain_interval"], recorded["aligned_gain_interval"]) == ([0.75, 1.5], [1.75, 2.5])
 
 
 def test_the_sum_of_true_channels_is_nearly_the_true_picture(breakdown):

@@ -66,6 +66,13 @@ def test_the_true_surface_has_no_error(truth, covered):
     }
 
 
+def test_of_a_surface_nothing_beside_the_pixels_that_count_does(truth, covered):
+    part = covered & (np.arange(SIZE) < 12)
+    spoiled = {name: np.where(part[..., None], truth[name], np.float32(0.9)) for name in ("albedo", "normal")}
+    figures = score_surface(found(truth, **spoiled), light(), truth, part)
+    assert all(value == pytest.approx(0, abs=1e-4) for value in figures.values())
+
+
 @pytest.mark.parametrize("factor", [0.7, 1 / 14, 14.0])
 def test_a_scaled_albedo_is_wrong_but_aligned(factor, truth, covered):
     figures = score_surface(found(truth, albedo=truth["albedo"] * factor), light(), truth, covered)
@@ -81,8 +88,9 @@ def test_an_albedo_is_compared_as_it_is_shown(truth, covered):
 
 
 def test_the_light_s_level_does_not_count(truth, covered):
-    figures = score_surface(found(truth, guess=light() * 5), light() * 3, truth, covered)
+    figures = score_surface(found(truth, guess=light() * 5, source_light=light() * 7), light() * 3, truth, covered)
     assert figures["light.wlog_l2"] == pytest.approx(0, abs=1e-6)
+    assert figures["light.wlog_l2_fitted"] == pytest.approx(0, abs=1e-6)
 
 
 def test_both_lights_are_measured(truth, covered):
@@ -128,9 +136,15 @@ def test_of_a_part_of_the_head_nothing_beside_it_counts(truth, covered):
     spoiled = truth["image"].copy()
     spoiled[~part] = 0.3
     figures = score_relit(spoiled, truth["image"], 2.0, covered, part)
-    for name in ("relit.rmse", "relit.rmse_aligned", "relit.rmse_as_lit"):
+    figures |= score_unchanged(spoiled * 2, truth["image"], 2.0, covered, part)
+    for name in ("relit.rmse", "relit.rmse_aligned", "relit.rmse_as_lit", "relit.rmse_of_unchanged_photo"):
         assert figures[name] == pytest.approx(0, abs=1e-6), name
     assert figures["relit.psnr"] == 100
+    # A pixel's window reaches five pixels far.
+    small = covered & (np.arange(SIZE) < 7)
+    figures = score_relit(spoiled, truth["image"], 2.0, covered, small)
+    assert figures["relit.ssim"] == pytest.approx(1)
+    assert figures["relit.ssim_aligned"] == pytest.approx(1, abs=1e-4)
 
 
 def test_a_darker_picture_is_worse_but_aligned(truth, covered):
