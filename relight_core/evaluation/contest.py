@@ -171,7 +171,9 @@ def hold(
     figures = {name: intervals_over_heads(scored) for name, scored in rows.items()}
     for name, before in zip(list(rows)[1:], rows, strict=False):
         figures[name]["relit.psnr_gain"] = _gain(rows[name], rows[before])
-    return Outcome(figures, len(next(iter(rows.values()))), len(paths), np.vstack(strips), contest)
+    whose = [head for head, _ in next(iter(rows.values()))]
+    # Where `every` is more than a head has relightings, some heads have none.
+    return Outcome(figures, len(whose), len(set(whose)), np.vstack(strips), contest)
 
 
 def _gain(rows: list[tuple[str, Figures]], before: list[tuple[str, Figures]]) -> Interval:

@@ -116,6 +116,32 @@ def test_fewer_relightings_begin_elsewhere_for_each_head(contest):
     assert not np.allclose(sources[0], sources[2])
 
 
+def test_a_head_that_no_relighting_is_taken_of_is_not_counted(contest, tmp_path):
+    write_lights(tmp_path / "one.npz", 1)
+    outcome = hold({"truth": Given(None)}, replace(contest, lights=tmp_path / "one.npz", every=2))
+    assert (outcome.samples, outcome.heads) == (1, 1)
+    assert "In brackets" not in "\n".join(heading("A title", outcome, "Trained for no time."))
+
+
+def test_a_gain_is_over_the_contender_in_the_row_above(contest):
+    contenders = {"truth": Given(None), "dim": Given(None, 0.5), "truth again": Given(None)}
+    figures = hold(contenders, replace(contest, every=4)).figures
+    lost = figures["dim"]["relit.psnr_gain"].mean
+    assert lost < -10
+    assert figures["truth again"]["relit.psnr_gain"].mean == pytest.approx(-lost)
+
+
+def test_heads_and_lights_are_of_the_split_that_was_asked_for(tmp_path):
+    write_balls(tmp_path / "heads", 1_000_000, 1, size=16)
+    write_lights(tmp_path / "lights.npz", 20)
+    found = Given(None)
+    contest = Contest(tmp_path / "heads", tmp_path / "lights.npz", 16, "validation")
+    assert hold({"truth": found}, contest).heads == 1
+    lights = [light for light in held_out_lights(contest.lights, "validation") if not light.lamp]
+    asked = sorted(float(task.light.std()) for _, task in found.tasks)
+    assert asked == pytest.approx(sorted(float(light.radiance.std()) for light in lights))
+
+
 @pytest.mark.parametrize("plain", [False, True])
 def test_networks_of_any_variant_take_part(plain, contest):
     torch.manual_seed(0)
