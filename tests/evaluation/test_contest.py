@@ -91,7 +91,7 @@ def test_what_is_lent_is_the_light_of_the_other_head_s_photo_and_is_measured_apa
     contest = replace(contest, every=4)
     lights = [light for light in held_out_lights(contest.lights, "test") if not light.lamp]
     heads = [load_head(path, lights, held_out_textures(), 16) for path in held_out_paths(contest.heads, "test", 2)]
-    found = HalfInBorrowedLight()
+    found = HalfInBorrowedLight(3 * EVEN)
     figures = hold({"even": found}, contest).figures["even"]
     cases = [(number, case) for number in (0, 1) for case in contest.cases(number, lights)]
     assert [case.source for _, case in cases] == [0, 1]
