@@ -18,6 +18,7 @@ from relight_core.evaluation.ablation.variants import (
 )
 from relight_core.evaluation.peers.table import contenders, trained_sun
 from relight_core.networks.bundle import load_bundle
+from relight_core.networks.delight import DelightConfig
 from relight_core.training import run as run_module
 from relight_core.training.recipe import load_recipe
 
@@ -193,5 +194,7 @@ def test_sun_s_network_is_trained_as_long_and_then_read(trained, data, monkeypat
     for _ in range(2):
         sun = trained_sun(folder, folder, folder, BUDGET, lambda done, note: None)
     assert steps == [(2 + 2 + 1 + 1, 2)]
+    with pytest.raises(InputError, match=r"sun\.safetensors: is 8 wide and 5 deep, .* 4 and 3; choose another folder"):
+        trained_sun(folder, folder, folder, BUDGET, lambda done, note: None, like=DelightConfig(width=4, levels=3))
     everybody = contenders({name: load_bundle(path) for name, path in weights.items()}, sun, None)
     assert list(everybody) == ["Shih et al. 2014", "Shu et al. 2017", "Sun et al. 2019", *SWITCHES]

@@ -92,7 +92,8 @@ def test_what_is_lent_is_the_light_of_the_other_head_s_photo_and_is_measured_apa
     lights = [light for light in held_out_lights(contest.lights, "test") if not light.lamp]
     heads = [load_head(path, lights, held_out_textures(), 16) for path in held_out_paths(contest.heads, "test", 2)]
     found = HalfInBorrowedLight(3 * EVEN)
-    figures = hold({"even": found}, contest).figures["even"]
+    outcome = hold({"even": found, "dim": Given(None, 0.5)}, contest)
+    figures, dim = outcome.figures["even"], outcome.figures["dim"]
     cases = [(number, case) for number in (0, 1) for case in contest.cases(number, lights)]
     assert [case.source for _, case in cases] == [0, 1]
     for (number, case), own, lent in zip(cases, found.looks[::2], found.looks[1::2], strict=True):
@@ -104,6 +105,7 @@ def test_what_is_lent_is_the_light_of_the_other_head_s_photo_and_is_measured_apa
     assert figures["light.wlog_l2"].mean == pytest.approx(np.mean(of_sources), rel=1e-4)
     assert np.mean(of_sources) != pytest.approx(np.mean(of_targets), rel=1e-2)
     assert figures["relit.rmse"].mean < 2e-3
+    assert figures["borrowed.rmse"].mean == pytest.approx(dim["relit.rmse"].mean, rel=1e-5)
     assert figures["borrowed.rmse"].mean > 0.05
 
 

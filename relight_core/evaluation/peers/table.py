@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from relight_core.errors import InputError
 from relight_core.evaluation.ablation.variants import VARIANTS, Budget, check_budget
 from relight_core.evaluation.contest import Contender, OurEditor, OurNetworks, Outcome
 from relight_core.evaluation.contest_report import BORROWED, RELIT, heading, paper_table, table
@@ -48,15 +49,26 @@ def trained_sun(
 
     Args:
         like: it is as wide and deep as this de-lighting network; None is that of the variants.
+
+    Raises:
+        InputError: the folder holds a training of another budget, on other data, or of another size of network.
+        TrainingDiverged, InputError: as `training.loop.train_stage`.
     """
     check_budget(folder, budget, heads, lights)
     checkpoint, variant = folder / "sun" / "sun.safetensors", budget.of(load_recipe(VARIANTS["Full"]))
+    like = like or variant.networks.delight
+    config = SunConfig(like.width, like.levels)
     if not checkpoint.exists() or state_path(checkpoint).exists():
         run = Run("", heads, lights, checkpoint, size=budget.size, pairs=budget.pairs, kept=folder / "batches")
-        steps, like = [plan.steps for plan in variant.stages], like or variant.networks.delight
-        config = SunConfig(like.width, like.levels)
+        steps = [plan.steps for plan in variant.stages]
         train_sun(run, sum(steps), max(steps), config, report)
-    return Sun(load_sun(checkpoint))
+    model = load_sun(checkpoint)
+    if model.config != config:
+        raise InputError(
+            f"{checkpoint}: is {model.config.width} wide and {model.config.levels} deep, and what it is set beside "
+            f"{config.width} and {config.levels}; choose another folder after -o"
+        )
+    return Sun(model)
 
 
 def contenders(
