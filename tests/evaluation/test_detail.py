@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from synthetic_heads import ball, write_balls, write_lights
 
+from relight_core.dataset.baking.shard import write_shard
 from relight_core.errors import InputError
 from relight_core.evaluation import detail
 from relight_core.evaluation.detail_methods import METHODS, DetailTask
@@ -59,11 +60,13 @@ def test_gloss_lies_over_the_photos_pattern_and_takes_nothing_of_it(name):
 
 @pytest.fixture(scope="module")
 def compared(tmp_path_factory):
-    """Errors of methods of one's own on a ball, at the size of the photo itself, and the tasks they were given."""
+    """Errors of methods of one's own on a ball, at the size of the photo itself, the tasks they were given, and what
+    shadows the regions were found by."""
     folder = tmp_path_factory.mktemp("compared")
-    write_balls(folder / "heads", 2_000_000, 1, size=32)
+    (folder / "heads").mkdir()
+    write_shard(folder / "heads" / "head-2000000.npz", ball(32, dark_side="right"))
     write_lights(folder / "lights.npz", 3)
-    tasks = []
+    tasks, shadows, masks = [], [], detail._masks
     methods = {
         "truth": lambda task: tasks.append(task) or task.relit_small,
         "black": lambda task: 0 * task.photo,
@@ -71,11 +74,12 @@ def compared(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(detail, "_NETWORK_SIZE", 32)
         patch.setattr(detail, "METHODS", methods)
-        return detail.compare_detail(folder / "heads", folder / "lights.npz", "test", 1), tasks
+        patch.setattr(detail, "_masks", lambda *given: shadows.append(given[2:]) or masks(*given))
+        return detail.compare_detail(folder / "heads", folder / "lights.npz", "test", 1), tasks, shadows
 
 
 def test_a_small_picture_that_is_as_large_as_the_photo_is_the_truth_unless_its_albedo_is_blurred(compared):
-    scores, _ = compared
+    scores, *_ = compared
     for region in ("head", "outline, head", "outline, background"):
         assert scores.errors["truth"][region] == pytest.approx(0, abs=1e-3)
         assert 0.5 < scores.blurred["truth"][region] < 60
@@ -86,7 +90,7 @@ def test_a_small_picture_that_is_as_large_as_the_photo_is_the_truth_unless_its_a
 
 
 def test_photo_and_truth_are_as_bright_as_a_meter_has_them_before_the_same_grey(compared):
-    scores, tasks = compared
+    scores, tasks, _ = compared
     covered = ball(32).covered
     # With a perfect small picture and with a blurred one, and no method is run again for every region.
     assert len(tasks) == 2 * scores.pictures
@@ -101,6 +105,26 @@ def test_photo_and_truth_are_as_bright_as_a_meter_has_them_before_the_same_grey(
         assert task.gloss_small[~covered].max() == 0
     # The first photo is under the light that the lamps' photos are relit with at the end.
     np.testing.assert_allclose(np.clip(tasks[-2].relit_small, 0, 1)[covered], tasks[0].photo[covered], atol=1e-5)
+
+
+def test_the_shadow_that_is_cast_is_of_the_new_light_and_the_photo_s_of_its_own(compared):
+    *_, shadows = compared
+    (first_cast, first_photo), (last_cast, _) = shadows[0], shadows[-1]
+    # The first photo is under the light that the lamps' photos are relit with at the end.
+    np.testing.assert_array_equal(first_photo, last_cast)
+    assert not np.allclose(first_photo, first_cast, atol=0.01)
+
+
+def test_a_table_has_every_region_under_its_name_of_perfect_pictures_and_then_of_blurred():
+    perfect, blurred = ({"ratio": dict(zip(detail.REGIONS, range(at, at + 7), strict=True))} for at in (0, 10))
+    blurred["ratio"]["hair"] = float("nan")
+    lines = detail.detail_table(detail.DetailScores(perfect, blurred, 1, 64)).splitlines()
+    titles = "head | eyes | hair | cast shadow | photo's shadow | outline, head | outline, background |"
+    assert lines[0] == f"| perfect | {titles}"
+    assert lines[2] == "| ratio | 0.00 | 1.00 | 2.00 | 3.00 | 4.00 | 5.00 | 6.00 |"
+    assert lines[4] == f"| albedo blurred | {titles}"
+    assert lines[6] == "| ratio | 10.00 | 11.00 | – | 13.00 | 14.00 | 15.00 | 16.00 |"
+    assert lines[-1] == "RMS in sRGB codes, 1 relighting at 64 pixels."
 
 
 def test_regions_are_where_they_are_called_and_edges_of_shadows_lie_within_the_head():
