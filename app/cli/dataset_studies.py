@@ -1,4 +1,4 @@
-"""Looks at the training data: contact sheets, speeds, and what a data set teaches."""
+"""Looks at the training data: contact sheets, speeds, and what a data set is worth."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def _speed(arguments: argparse.Namespace) -> int:
 
 def _effect(arguments: argparse.Namespace) -> int:
     let_idle_threads_sleep()
-    from relight_core.evaluation.dataset_effect import Lesson, photos_of_people
+    from relight_core.evaluation.dataset_effect import TrainingSettings, photos_of_people
 
     check_output_file(arguments.output, _PICTURES)
     if arguments.size % 16:
@@ -114,32 +114,32 @@ def _effect(arguments: argparse.Namespace) -> int:
     if arguments.work is not None:
         make_folder(arguments.work)
     paths = photos_of_people(paths)  # What can't be shown is told before the training and not after it.
-    lesson = Lesson(arguments.steps, arguments.size, arguments.pairs, arguments.width)
+    settings = TrainingSettings(arguments.steps, arguments.size, arguments.pairs, arguments.width)
     if arguments.work is not None:
-        return _compare(arguments, paths, lesson, arguments.work)
+        return _compare(arguments, paths, settings, arguments.work)
     with tempfile.TemporaryDirectory() as folder:
-        return _compare(arguments, paths, lesson, Path(folder))
+        return _compare(arguments, paths, settings, Path(folder))
 
 
-def _compare(arguments: argparse.Namespace, paths: list[Path], lesson, work: Path) -> int:
-    from relight_core.evaluation.dataset_effect import compare_photos, taught
+def _compare(arguments: argparse.Namespace, paths: list[Path], settings, work: Path) -> int:
+    from relight_core.evaluation.dataset_effect import compare_photos, trained
     from relight_core.evaluation.tables import figure_text, markdown_table
     from relight_core.imaging.contact_sheet import contact_sheet
 
-    pupils = {}
+    networks = {}
     for name, heads, plain in (("plain", arguments.bare, True), ("varied", arguments.shards, False)):
         with progress(f"training on {name} heads", 1.0) as show:
-            pupils[name] = taught(
-                heads, arguments.lights, lesson, work / f"{name}.safetensors", lambda part, _: show(part), plain=plain
+            networks[name] = trained(
+                heads, arguments.lights, settings, work / f"{name}.safetensors", lambda part, _: show(part), plain=plain
             )
-    comparison = compare_photos(pupils, paths, lesson.size)
+    comparison = compare_photos(networks, paths, settings.size)
     rows = []
     for name, figures in comparison.figures.items():
         row = ((figures.detail, ".3f"), (figures.spread, ".3f"), (figures.light_left, ".2f"))
         rows.append([name, *(figure_text(*figure) for figure in row), str(comparison.photos)])
     titles = ("trained on", "detail kept", "spread of people, stops", "light left", "photos")
     say("\n".join(markdown_table(titles, rows)))
-    _write_sheet(arguments.output, contact_sheet(comparison.pictures, 1 + 2 * len(pupils), _CELL_PX))
+    _write_sheet(arguments.output, contact_sheet(comparison.pictures, 1 + 2 * len(networks), _CELL_PX))
     return 0
 
 

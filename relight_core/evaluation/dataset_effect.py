@@ -1,4 +1,4 @@
-"""What a data set teaches: the same small de-lighting network, trained alike on two, shown photos of people.
+"""What a data set is worth: the same small de-lighting network, trained alike on two, shown photos of people.
 
 Photos have no truth, so two things are measured that a network which paints everyone alike gets wrong: how
 far the albedo's edges are the photo's, and how far people differ from each other. A third guards against
@@ -38,10 +38,12 @@ from relight_core.training.run import denormals_flushed
 from relight_core.training.stages import STAGES
 
 _PARSED_SIZE = 256
+_NOTE = ".lesson.json"
+"""Beside a network's weights, by the name that it has had in all folders after --work."""
 
 
 @dataclass(frozen=True)
-class Lesson:
+class TrainingSettings:
     """How the network is trained.
 
     Attributes:
@@ -105,8 +107,10 @@ class Comparison:
     photos: int
 
 
-def taught(heads: Path, lights: Path, lesson: Lesson, checkpoint: Path, report, *, plain: bool) -> NetworkBundle:
-    """A de-lighting network after its lesson; `plain` takes the samples as the simplest data set would make them.
+def trained(
+    heads: Path, lights: Path, settings: TrainingSettings, checkpoint: Path, report, *, plain: bool
+) -> NetworkBundle:
+    """A de-lighting network after its training; `plain` takes the samples as the simplest data set would make them.
 
     Args:
         checkpoint: where the weights go (.safetensors). Weights that are there are not trained again, and a run
@@ -114,43 +118,45 @@ def taught(heads: Path, lights: Path, lesson: Lesson, checkpoint: Path, report, 
         report: see `training.loop.train_stage`.
 
     Raises:
-        InputError: what is there was taught otherwise; and as `training.loop.train_stage`.
+        InputError: what is there was trained otherwise; and as `training.loop.train_stage`.
     """
     data = data_mark(heads, lights)
-    _keep_to_one_lesson(checkpoint, {**asdict(lesson), "heads and lights": data, "plain": plain})
+    _keep_to_one_training(checkpoint, {**asdict(settings), "heads and lights": data, "plain": plain})
     if checkpoint.exists() and not state_path(checkpoint).exists():
         return load_bundle(checkpoint).eval()
-    torch.manual_seed(lesson.seed)
-    config = replace(BundleConfig.tiny(), delight=DelightConfig(width=lesson.width, levels=5))
+    torch.manual_seed(settings.seed)
+    config = replace(BundleConfig.tiny(), delight=DelightConfig(width=settings.width, levels=5))
 
     def batches_from(first_batch: int) -> Iterator[dict[str, torch.Tensor]]:
         stream = SampleStream(
             heads,
             lights,
             "train",
-            lesson.size,
-            lesson.seed,
+            settings.size,
+            settings.seed,
             plain=plain,
             first_batch=first_batch,
-            pairs=lesson.pairs,
+            pairs=settings.pairs,
         )
-        # Without one of its own it would draw a seed from the stream that a lesson goes on with.
-        generator = torch.Generator().manual_seed(lesson.seed)
-        return iter(DataLoader(stream, batch_size=lesson.pairs, generator=generator))
+        # Without one of its own it would draw a seed from the stream that a training goes on with.
+        generator = torch.Generator().manual_seed(settings.seed)
+        return iter(DataLoader(stream, batch_size=settings.pairs, generator=generator))
 
-    budget = Budget(lesson.learning_rate, steps=lesson.steps, warm_up_steps=min(100, max(1, lesson.steps // 6)))
+    budget = Budget(settings.learning_rate, steps=settings.steps, warm_up_steps=min(100, max(1, settings.steps // 6)))
     stage = STAGES["warm-delight"]
-    drawn_by = {"size": lesson.size, "pairs": lesson.pairs, "seed": lesson.seed}
+    drawn_by = {"size": settings.size, "pairs": settings.pairs, "seed": settings.seed}
     bundle = NetworkBundle(config)
     with denormals_flushed():
         return train_stage(stage, bundle, batches_from, budget, checkpoint, report, drawn_by=drawn_by).eval()
 
 
-def _keep_to_one_lesson(checkpoint: Path, told: dict[str, int | float | str]) -> None:
-    """Note how a network is taught; raises InputError where there is one that learnt otherwise."""
-    note, words = checkpoint.with_suffix(".lesson.json"), json.dumps(told)
+def _keep_to_one_training(checkpoint: Path, told: dict[str, int | float | str]) -> None:
+    """Note how a network is trained; raises InputError where there is one that was trained otherwise."""
+    note, words = checkpoint.with_suffix(_NOTE), json.dumps(told)
     if is_begun(checkpoint) and note.exists() and note.read_text() != words:
-        raise InputError(f"{checkpoint}: was taught otherwise ({note.read_text()}); choose another folder after --work")
+        raise InputError(
+            f"{checkpoint}: was trained otherwise ({note.read_text()}); choose another folder after --work"
+        )
     with whole_file(note) as beside:
         beside.write_text(words)
 
@@ -168,7 +174,7 @@ def photos_of_people(paths: list[Path]) -> list[Path]:
     return people
 
 
-def compare_photos(pupils: dict[str, NetworkBundle], paths: list[Path], size: int) -> Comparison:
+def compare_photos(networks: dict[str, NetworkBundle], paths: list[Path], size: int) -> Comparison:
     """Show every photo's largest face to every network.
 
     Args:
@@ -178,11 +184,11 @@ def compare_photos(pupils: dict[str, NetworkBundle], paths: list[Path], size: in
         InputError: a photo can't be read.
     """
     parser = load_bundle(resource_path(*WEIGHTS)).for_inference()
-    seen: dict[str, list[DelitFace]] = {name: [] for name in pupils}
+    seen: dict[str, list[DelitFace]] = {name: [] for name in networks}
     pictures: list[tuple[str, np.ndarray]] = []
     for path in paths:
         photo = read_photo(path).seen
-        row = {name: look(pupil, parser, photo, size) for name, pupil in pupils.items()}
+        row = {name: look(network, parser, photo, size) for name, network in networks.items()}
         for name, found in row.items():
             seen[name].append(found)
         pictures.append(("photo", next(iter(row.values())).photo_srgb))
@@ -192,7 +198,7 @@ def compare_photos(pupils: dict[str, NetworkBundle], paths: list[Path], size: in
 
 
 @torch.no_grad()
-def look(pupil: NetworkBundle, parser: NetworkBundle, photo: Photo, size: int) -> DelitFace:
+def look(network: NetworkBundle, parser: NetworkBundle, photo: Photo, size: int) -> DelitFace:
     """Take the photo's largest face apart.
 
     Args:
@@ -204,7 +210,7 @@ def look(pupil: NetworkBundle, parser: NetworkBundle, photo: Photo, size: int) -
     view = frame(photo, choose_faces(photo)[0]).view
     linear = np.clip(view.extract(photo.linear, size), 0, None)
     photo_srgb = srgb_encode(np.clip(linear, 0, 1))
-    found = pupil.delight(as_tensor(photo_srgb))
+    found = network.delight(as_tensor(photo_srgb))
     seen_srgb = srgb_encode(np.clip(view.extract(photo.linear, _PARSED_SIZE), 0, 1))
     labels = parser.delight(as_tensor(seen_srgb)).parsing_logits.argmax(1)[0].numpy()
     at = (np.arange(size) + 0.5) * len(labels) / size

@@ -333,7 +333,7 @@ def test_effect_refuses(run, data):
 
 
 def test_effect_tells_of_a_photo_it_can_t_read_before_it_trains(run, data, tmp_path, monkeypatch):
-    monkeypatch.setattr(dataset_effect, "taught", lambda *_, **__: pytest.fail("trained in vain"))
+    monkeypatch.setattr(dataset_effect, "trained", lambda *_, **__: pytest.fail("trained in vain"))
     (tmp_path / "torn.jpg").write_bytes(b"torn")
     words = ["dataset", "effect", "--shards", data / "heads", "--lights", data / "lights.npz", "-o", data / "s.png"]
     words += ["--size", 32]
@@ -341,7 +341,7 @@ def test_effect_tells_of_a_photo_it_can_t_read_before_it_trains(run, data, tmp_p
 
 
 def test_effect_tells_of_photos_of_nobody_before_it_trains(run, data, tmp_path, monkeypatch):
-    monkeypatch.setattr(dataset_effect, "taught", lambda *_, **__: pytest.fail("trained in vain"))
+    monkeypatch.setattr(dataset_effect, "trained", lambda *_, **__: pytest.fail("trained in vain"))
     Image.new("RGB", (64, 64), "grey").save(tmp_path / "wall.png")
     words = ["dataset", "effect", "--shards", data / "heads", "--lights", data / "lights.npz", "-o", data / "s.jpg"]
     words += ["--size", 32]
@@ -371,7 +371,7 @@ def test_joining_reads_no_samples(run, data, option):
 
 
 def test_effect_keeps_its_photos_and_what_is_no_folder(run, data, tmp_path, monkeypatch):
-    monkeypatch.setattr(dataset_effect, "taught", lambda *_, **__: pytest.fail("trained in vain"))
+    monkeypatch.setattr(dataset_effect, "trained", lambda *_, **__: pytest.fail("trained in vain"))
     photo = tmp_path / "a.png"
     Image.new("RGB", (8, 8)).save(photo)
     words = ["dataset", "effect", "--shards", data / "heads", "--lights", data / "lights.npz"]
@@ -390,7 +390,7 @@ def test_a_recipe_s_result_is_not_written_over_the_weights_it_begins_with(run, d
 def test_effect_shows_a_dash_for_what_no_photo_tells(run, data, tmp_path, monkeypatch):
     figures = dataset_effect.DatasetFigures(detail=0.5, spread=0.25, light_left=np.nan)
     found = dataset_effect.Comparison({"plain": figures}, [("photo", np.zeros((32, 32, 3), np.float32))], 1)
-    monkeypatch.setattr(dataset_effect, "taught", lambda *_, **__: None)
+    monkeypatch.setattr(dataset_effect, "trained", lambda *_, **__: None)
     monkeypatch.setattr(dataset_effect, "photos_of_people", lambda paths: paths)
     monkeypatch.setattr(dataset_effect, "compare_photos", lambda *_: found)
     cv2.imwrite(str(tmp_path / "one.png"), np.zeros((8, 8, 3), np.uint8))

@@ -11,7 +11,7 @@ from relight_core.dataset import stream
 from relight_core.dataset.painting.texture import TexturePool
 from relight_core.errors import InputError
 from relight_core.evaluation import dataset_effect
-from relight_core.evaluation.dataset_effect import DelitFace, Lesson, measure, taught
+from relight_core.evaluation.dataset_effect import DelitFace, TrainingSettings, measure, trained
 from relight_core.face.find import FaceBox
 from relight_core.imaging.write import write_image
 from relight_core.networks.bundle import BundleConfig, NetworkBundle
@@ -102,8 +102,8 @@ def test_photos_with_a_face_however_small_are_shown_by_their_first(two_faces):
     assert dataset_effect.photos_of_people(two_faces) == two_faces[1:]
     with pytest.raises(InputError, match="no face in any"):
         dataset_effect.photos_of_people(two_faces[:1])
-    pupils = {name: NetworkBundle(BundleConfig.tiny()).eval() for name in ("plain", "varied")}
-    shown = dataset_effect.compare_photos(pupils, two_faces[1:], 16)
+    networks = {name: NetworkBundle(BundleConfig.tiny()).eval() for name in ("plain", "varied")}
+    shown = dataset_effect.compare_photos(networks, two_faces[1:], 16)
     assert [name for name, _ in shown.pictures] == [
         "photo",
         "albedo, plain",
@@ -118,26 +118,26 @@ def test_photos_with_a_face_however_small_are_shown_by_their_first(two_faces):
 
 
 @pytest.mark.parametrize("plain", [True, False])
-def test_a_lesson_is_learnt_once_and_gives_the_same_weights_again(tmp_path, monkeypatch, plain):
+def test_a_network_is_trained_once_and_gives_the_same_weights_again(tmp_path, monkeypatch, plain):
     monkeypatch.setattr(stream, "TexturePool", partial(TexturePool, count=2))
     write_balls(tmp_path / "heads", 0, 2)
     write_lights(tmp_path / "lights.npz", 6)
-    lesson = Lesson(steps=2, size=16, pairs=1, width=4)
+    settings = TrainingSettings(steps=2, size=16, pairs=1, width=4)
 
-    def learn(name, lesson=lesson, lights="lights.npz", plain=plain):
+    def train(name, settings=settings, lights="lights.npz", plain=plain):
         where = tmp_path / f"{name}.safetensors"
-        return taught(tmp_path / "heads", tmp_path / lights, lesson, where, lambda *_: None, plain=plain)
+        return trained(tmp_path / "heads", tmp_path / lights, settings, where, lambda *_: None, plain=plain)
 
-    first, again = learn("one").state_dict(), learn("two").state_dict()
+    first, again = train("one").state_dict(), train("two").state_dict()
     assert all((first[name] == again[name]).all() for name in first)
     written = (tmp_path / "one.safetensors").stat().st_mtime_ns
-    with pytest.raises(InputError, match="taught otherwise"):
-        learn("one", replace(lesson, steps=3))
-    with pytest.raises(InputError, match="taught otherwise"):
-        learn("one", plain=not plain)
+    with pytest.raises(InputError, match="trained otherwise"):
+        train("one", replace(settings, steps=3))
+    with pytest.raises(InputError, match="trained otherwise"):
+        train("one", plain=not plain)
     write_lights(tmp_path / "others.npz", 7)
-    with pytest.raises(InputError, match="taught otherwise"):
-        learn("one", lights="others.npz")
-    kept = learn("one").state_dict()
+    with pytest.raises(InputError, match="trained otherwise"):
+        train("one", lights="others.npz")
+    kept = train("one").state_dict()
     assert (tmp_path / "one.safetensors").stat().st_mtime_ns == written
     assert all((first[name] == kept[name]).all() for name in first)
