@@ -131,3 +131,46 @@ def test_record_table_and_picture(tmp_path):
     assert worst.count("–") == 10
     plot_stability(report, tmp_path / "a.png")
     assert read_photo(tmp_path / "a.png").linear.std() > 0.05
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """Draws a report, and gives the axes of its heat map and of the scale beside it."""
+    pytest.importorskip("matplotlib", reason="plots need the training extra")
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    figures = []
+    monkeypatch.setattr(FigureCanvasAgg, "print_png", lambda canvas, path: figures.append(canvas.figure))
+    return lambda report: plot_stability(report, "a.png") or figures[-1].axes
+
+
+def test_a_heat_map_is_green_below_a_bound_yellow_at_it_red_above_and_white_where_nothing_was_checked(drawn):
+    checks = ("not finite", "full turn", "own light", "threads")
+    # Bounds of 0, 0.001, 0.02 and 0.02.
+    errors = np.array([[0.0, 1e-3, 2e-4, np.nan], [1e-9, 0.1, 0.02, 0.2]])
+    axes, scale = drawn(StabilityReport(("calm", "wild"), checks, errors))
+    (image,) = axes.images
+    reds, greens, blues, shown = np.moveaxis(image.to_rgba(image.get_array()), -1, 0)
+    colours = np.where(greens > reds, "green", np.where(reds - greens > 0.3, "red", "yellow"))
+    colours[shown == 0] = "white"
+    assert colours.tolist() == [["green", "yellow", "green", "white"], ["red", "red", "yellow", "red"]]
+    assert (blues[colours == "yellow"] < 0.8).all()
+    assert [label.get_text() for label in axes.get_xticklabels()] == list(checks)
+    assert [label.get_text() for label in axes.get_yticklabels()] == ["calm", "wild"]
+    texts = {text.get_position(): text.get_text() for text in axes.texts}
+    assert (texts[1, 0], texts[3, 0], texts[1, 1], texts[2, 1]) == ("0.001", "–", "0.1", "0.02")
+    marks = dict(zip(scale.get_yticks().round(6), (label.get_text() for label in scale.get_yticklabels()), strict=True))
+    assert (marks[-1], marks[0], marks[1]) == ("0.1", "1", "10")
+
+
+def test_a_table_has_the_bounds_the_worst_of_every_check_and_every_case():
+    checks = ("full turn", "own light")
+    report = StabilityReport(("calm", "wild"), checks, np.array([[np.nan, 0.01], [0.5, 0.005]]))
+    assert report.as_markdown().splitlines() == [
+        "| | full turn | own light |",
+        "|---|---|---|",
+        "| bound | 0.001 | 0.02 |",
+        "| **worst** | 0.5 | 0.01 |",
+        "| calm | – | 0.01 |",
+        "| wild | 0.5 | 0.005 |",
+    ]
