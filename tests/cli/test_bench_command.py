@@ -11,7 +11,7 @@ import torch
 
 from app.cli import bench
 from relight_core.errors import InputError
-from relight_core.evaluation import bench_accuracy, bench_machine, bench_session, bench_timing
+from relight_core.evaluation import bench_accuracy, bench_configurations, bench_machine, bench_session, bench_timing
 from relight_core.evaluation.bench_configurations import configurations
 from relight_core.pipeline import relighter
 
@@ -75,20 +75,51 @@ def test_photos_beyond_the_one_that_is_measured_are_refused(relight, tmp_path, w
     assert not (tmp_path / "out").exists()
 
 
-def test_errors_against_the_final_tier_are_told_with_the_times_of_the_same_setting(monkeypatch, weights):
+@pytest.fixture
+def measured(monkeypatch, weights):
+    """What `bench --quick` is told of every setting, made up, and what it makes of that."""
     names = [setting.name for setting in configurations(quick=True)]
     errors = {name: 0.01 * number for number, name in enumerate(names)}
     times = {name: f"times of {name}" for name in names}
     monkeypatch.setattr(bench, "_first_picture_s", lambda starts: starts)
     monkeypatch.setattr(bench, "_timed", lambda *_: times)
     monkeypatch.setattr(bench_accuracy, "against_final", lambda *_: errors)
-    for name in ("describe_machine", "measure_peaks", "demands"):
+    for name in ("describe_machine", "measure_peaks"):
         monkeypatch.setattr(bench_machine, name, lambda *_: {})
+    monkeypatch.setattr(bench_machine, "demands", lambda bundle, tier, device: tier)
     monkeypatch.setattr(relighter, "Relighter", lambda *_: None)
-    (result,) = bench._measured(parsed("--quick", "--weights", str(weights)), [])
+    return errors, times, lambda *words: list(bench._measured(parsed("--weights", str(weights), *words), []))
+
+
+def test_errors_against_the_final_tier_are_told_with_the_times_of_the_same_setting(measured):
+    errors, times, results = measured
+    (result,) = results("--quick")
     assert result.machine == {"first_picture_s": 1}
     found = {row.configuration.name: (row.timing, row.accuracy.against_final) for row in result.rows}
-    assert found == {name: (times[name], errors[name]) for name in names}
+    assert found == {name: (times[name], errors[name]) for name in times}
+    assert all(row.demands == row.configuration.tier for row in result.rows)
+
+
+@pytest.mark.parametrize(
+    ("words", "heads", "cases"), [(("--quick",), 1, 3), ((), 8, 20), (("--count", "5"), 5, 20)], ids=str
+)
+def test_errors_against_the_truth_are_told_beside_those_against_the_final_tier(
+    measured, monkeypatch, words, heads, cases
+):
+    errors, _, results = measured
+    asked = []
+
+    def against_truth(bundle, data, settings, *_):
+        asked.append((str(data.heads), str(data.lights), data.count, data.cases))
+        return {setting.name: bench_accuracy.Accuracy(rmse=len(setting.name), psnr=1.0) for setting in settings}
+
+    monkeypatch.setattr(bench_accuracy, "against_truth", against_truth)
+    monkeypatch.setattr(bench_configurations, "configurations", lambda quick: configurations(quick=True))
+    before, after = results("--heads", "heads", "--lights", "lights", *words)
+    assert asked == [("heads", "lights", heads, cases)]
+    for result, rmse in ((before, None), (after, len)):
+        found = {row.configuration.name: (row.accuracy.rmse, row.accuracy.against_final) for row in result.rows}
+        assert found == {name: (rmse and rmse(name), error) for name, error in errors.items()}
 
 
 @pytest.mark.parametrize("words", [[], ["--session"]])

@@ -45,6 +45,11 @@ def test_heads_smaller_than_what_the_networks_see_are_refused_for_they_have_no_d
     write_lights(tmp_path / "lights.npz", 3)
     with pytest.raises(InputError, match=r"head-2000000.npz: a head of 64 pixels is smaller than the 128.*--size 1024"):
         detail.compare_detail(tmp_path / "heads", tmp_path / "lights.npz", "test", 2)
+    write_lights(tmp_path / "more.npz", 20)
+    with pytest.raises(InputError, match="no heads of the validation split"):
+        detail.compare_detail(tmp_path / "heads", tmp_path / "more.npz", "validation", 2)
+    with pytest.raises(InputError, match="validation"):
+        detail.compare_detail(tmp_path / "heads", tmp_path / "lights.npz", "validation", 2)
 
 
 @pytest.mark.parametrize("name", ["fast global smoother", "joint bilateral, gain and gloss"])

@@ -236,6 +236,10 @@ def test_missing_heads_say_how_to_bake_them(bundle, settings, tmp_path):
         evaluate(bundle, replace(settings, heads=tmp_path))
 
 
-def test_a_library_without_the_split(bundle, settings):
+def test_a_library_or_heads_without_the_split(bundle, settings, tmp_path):
+    settings = replace(settings, split="validation")
     with pytest.raises(InputError, match="lights"):
-        evaluate(bundle, replace(settings, split="validation"))
+        evaluate(bundle, settings)
+    write_lights(tmp_path / "more.npz", 20)
+    with pytest.raises(InputError, match="no heads of the validation split"):
+        evaluate(bundle, replace(settings, lights=tmp_path / "more.npz"))
