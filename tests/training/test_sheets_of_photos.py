@@ -5,8 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import torch
+from small_runs import some_batch
 
 from relight_core.lighting.reflection import ReflectionTable
+from relight_core.pipeline.results.channel_view import channel_to_srgb
 from relight_core.training import sheet
 
 SIZE, PHOTOS, ROWS = 8, 9, 6
@@ -58,3 +60,54 @@ def test_of_foreign_shadows_the_light_that_arrives_stands_before_the_true_one_an
     np.testing.assert_allclose(columns["light that arrives"][:, :, : SIZE // 2], 0.5, atol=1e-6)
     np.testing.assert_allclose(columns["light that arrives"][:, :, SIZE // 2 :], 1, atol=1e-6)
     np.testing.assert_allclose(columns["truth"], np.exp(shown(batch["foreign_shadow"])), rtol=1e-6)
+
+
+def answering(monkeypatch):
+    """Networks that find the same of whatever they are shown."""
+    found = SimpleNamespace(
+        albedo_srgb=torch.full((ROWS, 3, 16, 16), 0.6),
+        normal=torch.tensor([0.6, 0, 0.8])[None, :, None, None].expand(ROWS, 3, 16, 16),
+        parsing_logits=torch.nn.functional.one_hot(torch.full((ROWS, 16, 16), 9), 14).permute(0, 3, 1, 2).float(),
+    )
+    one = torch.ones(ROWS, 1, 16, 16)
+    effects = {"wide shadows": SimpleNamespace(specular=0.02 * one, shadow=0.1 * one)}
+    images = {"wide pictures": (0.25 * one).expand(-1, 3, -1, -1)}
+    monkeypatch.setattr(sheet, "specular_shadow_losses", lambda network, *_: (effects[network], {}))
+    monkeypatch.setattr(sheet, "composition_losses", lambda network, *_: (images[network], {}))
+    return SimpleNamespace(
+        delight=lambda photo: found,
+        config=SimpleNamespace(delight=SimpleNamespace(classes=14)),
+        pair=lambda width: SimpleNamespace(specular_shadow=f"{width} shadows", composition=f"{width} pictures"),
+    )
+
+
+def test_of_pairs_every_channel_that_is_found_stands_before_the_true_one(drawn, monkeypatch):
+    torch.manual_seed(0)
+    batch = some_batch(pairs=4)
+    batch["specular"][:], batch["shadow"][:] = 0.04, 0.3
+    columns = drawn(answering(monkeypatch), batch)
+    photos, albedo = batch["photo_srgb"].flatten(0, 1), batch["albedo"].repeat_interleave(2, 0)
+    np.testing.assert_allclose(columns["photo"], shown(photos))
+    np.testing.assert_allclose(columns["albedo"], 0.6, atol=1e-6)
+    np.testing.assert_allclose(columns["true albedo"], encoded(shown(albedo)), atol=1e-3)
+    np.testing.assert_allclose(columns["normals"][..., 0, 0, :], np.tile([0.8, 0.5, 0.9], (ROWS, 1)), atol=1e-3)
+    normal = shown(batch["normal"].repeat_interleave(2, 0))
+    np.testing.assert_allclose(columns["true normals"], (normal + 1) / 2, atol=1e-3)
+    parsing = channel_to_srgb("parsing", np.full((16, 16), 9))
+    np.testing.assert_allclose(columns["parsing"], np.broadcast_to(parsing, columns["parsing"].shape))
+    label = batch["label"].repeat_interleave(2, 0)[3].numpy()
+    np.testing.assert_allclose(columns["true parsing"][3], channel_to_srgb("parsing", label))
+    # What is found beside the head, in the first three columns of pixels, is not shown.
+    for name, value, true in (("specular", 0.02, 0.04), ("shadow", 0.1, 0.3)):
+        expected = np.full((16, 16), value, np.float32)
+        expected[:, :3] = 0
+        np.testing.assert_allclose(columns[name][0], channel_to_srgb(name, expected), atol=1e-6)
+        whole = channel_to_srgb(name, np.full((16, 16), true, np.float32))
+        np.testing.assert_allclose(columns[f"true {name}"][0], whole, atol=1e-6)
+    np.testing.assert_allclose(columns["image"][:, :, 3:], 0.5371, atol=1e-3)
+    true_images = encoded(shown(batch["image"].flatten(0, 1)))
+    np.testing.assert_allclose(columns["true image"], true_images, atol=2e-3)
+
+
+def encoded(linear):
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
