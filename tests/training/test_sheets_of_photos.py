@@ -62,7 +62,7 @@ def test_of_foreign_shadows_the_light_that_arrives_stands_before_the_true_one_an
     np.testing.assert_allclose(columns["truth"], np.exp(shown(batch["foreign_shadow"])), rtol=1e-6)
 
 
-def answering(monkeypatch):
+def answering(monkeypatch, width="wide"):
     """Networks that find the same of whatever they are shown."""
     found = SimpleNamespace(
         albedo_srgb=torch.full((ROWS, 3, 16, 16), 0.6),
@@ -70,8 +70,8 @@ def answering(monkeypatch):
         parsing_logits=torch.nn.functional.one_hot(torch.full((ROWS, 16, 16), 9), 14).permute(0, 3, 1, 2).float(),
     )
     one = torch.ones(ROWS, 1, 16, 16)
-    effects = {"wide shadows": SimpleNamespace(specular=0.02 * one, shadow=0.1 * one)}
-    images = {"wide pictures": (0.25 * one).expand(-1, 3, -1, -1)}
+    effects = {f"{width} shadows": SimpleNamespace(specular=0.02 * one, shadow=0.1 * one)}
+    images = {f"{width} pictures": (0.25 * one).expand(-1, 3, -1, -1)}
     monkeypatch.setattr(sheet, "specular_shadow_losses", lambda network, *_: (effects[network], {}))
     monkeypatch.setattr(sheet, "composition_losses", lambda network, *_: (images[network], {}))
     return SimpleNamespace(
@@ -107,6 +107,16 @@ def test_of_pairs_every_channel_that_is_found_stands_before_the_true_one(drawn, 
     np.testing.assert_allclose(columns["image"][:, :, 3:], 0.5371, atol=1e-3)
     true_images = encoded(shown(batch["image"].flatten(0, 1)))
     np.testing.assert_allclose(columns["true image"], true_images, atol=2e-3)
+
+
+def test_of_examples_the_narrow_pair_s_answers_stand_before_the_wide_one_s(drawn, monkeypatch):
+    flat = {name: torch.full((ROWS, 1, 16, 16), value) for name, value in (("specular", 0.04), ("shadow", 0.3))}
+    flat |= {"covered": torch.ones(ROWS, 1, 16, 16), "image": torch.rand(ROWS, 3, 16, 16)}
+    monkeypatch.setattr(sheet, "under_some_lights", lambda batch: flat)
+    columns = drawn(answering(monkeypatch, "narrow"), {"reflected": torch.zeros(1)})
+    assert list(columns) == ["specular", "wide specular", "shadow", "wide shadow", "image", "wide image"]
+    np.testing.assert_allclose(columns["image"], 0.5371, atol=1e-3)
+    np.testing.assert_allclose(columns["wide image"], encoded(shown(flat["image"])), atol=2e-3)
 
 
 def encoded(linear):
