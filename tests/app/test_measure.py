@@ -79,7 +79,13 @@ PARTS = (
     WindowSpeed(frame=Spread(8.0, 12.0), frames=90, updates=20),
     WindowSpeed(frame=Spread(8.0, 12.0), frames=90, updates=20, rotation=Spread(50.0, 70.0)),
     WindowSpeed(
-        Spread(8.0, 12.0), Spread(50.0, 70.0), frames=90, updates=20, memory_mb=(300.0, 310.0), opening_s=(1.0, 1.5)
+        Spread(8.0, 12.0),
+        Spread(50.0, 70.0),
+        frames=90,
+        updates=20,
+        idle_cpu=0.0325,
+        memory_mb=(300.0, 310.0),
+        opening_s=(1.0, 1.5),
     ),
 )
 
@@ -94,11 +100,36 @@ def run_measure(monkeypatch, parts, *words):
 def test_each_part_is_told_once_it_is_there_and_told_once(monkeypatch, capsys):
     assert run_measure(monkeypatch, lambda: PARTS, "--openings", "2") == 0
     told = capsys.readouterr()
-    assert told.out.count("a frame while the networks run") == 1
-    assert told.out.count("rotation, hand to picture") == 1
+    lines = [" ".join(line.split()) for line in told.out.splitlines()]
+    assert lines.count("a frame while the networks run 8.0 ms 12.0 ms") == 1
+    assert lines.count("rotation, hand to picture 50.0 ms 70.0 ms") == 1
+    assert lines[0] == "median p95"
+    assert "at rest 3.25% of a core" in lines
     assert "90 frames and 20 pictures" in told.out
     assert "after opening number 1: 300, 2: 310; 310 at the most" in told.out
     assert told.err == "opened 2 of 2, 310 MiB, 1.2 s each, 0.0 min left\n"
+
+
+def test_what_is_measured_is_what_was_asked_for(monkeypatch, capsys):
+    asked = {}
+    monkeypatch.setattr("app.window.measure.measure_window", lambda *_, **given: asked.update(given) or iter(()))
+    parser = argparse.ArgumentParser()
+    measure.add_arguments(parser)
+    words = ["--openings", "3", "--seconds", "2.5", "--repeats", "7", "--quality", "draft", "--json"]
+    assert measure.run(parser.parse_args(["a.jpg", *words])) == 0
+    assert asked == {"drag_s": 2.5, "repeats": 7, "openings": 3, "quality": "draft"}
+    assert capsys.readouterr().out == "", "nothing was measured"
+
+
+@pytest.mark.parametrize(
+    ("count", "places"),
+    [(1, "1: 300"), (2, "1: 300, 2: 301"), (40, "1: 300, 10: 309, 20: 319, 30: 329, 40: 339")],
+)
+def test_of_many_openings_the_first_the_last_and_some_between_are_told(count, places):
+    memory_mb = tuple(300.0 + number for number in range(count))
+    most = f"{299 + count} at the most"
+    assert measure.memory_line(memory_mb) == f"MiB of memory after opening number {places}; {most}"
+    assert measure.memory_line((400.0, *memory_mb)).endswith("; 400 at the most")
 
 
 def test_what_was_measured_before_an_interruption_is_told_and_kept(monkeypatch, capsys, tmp_path):
@@ -114,6 +145,12 @@ def test_what_was_measured_before_an_interruption_is_told_and_kept(monkeypatch, 
     assert told == json.loads(path.read_text())
     assert told["memory_mb"] == [300.0, 310.0]
     assert told["shadow"] is None
+
+
+def test_how_long_is_left_is_told_from_what_an_opening_has_taken(monkeypatch, capsys):
+    opened = WindowSpeed(frame=Spread(8.0, 12.0), memory_mb=(300.0,), opening_s=(30.0,))
+    assert run_measure(monkeypatch, lambda: (opened,), "--openings", "8") == 0
+    assert capsys.readouterr().err == "opened 1 of 8, 300 MiB, 30.0 s each, 3.5 min left\n"
 
 
 def test_where_the_system_tells_no_memory_the_rest_is_told(monkeypatch, capsys):
