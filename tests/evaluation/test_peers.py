@@ -168,7 +168,7 @@ class TestSun:
         assert made.shape == (64, 64, 3)
         shrunk = made.reshape(32, 2, 32, 2, 3).mean((1, 3))
         assert np.corrcoef(shrunk.ravel(), at_32.ravel())[0, 1] > 0.95
-        assert own.in_words().endswith(", trained at 32 pixels, and works at that.")
+        assert own.in_words().endswith(", trained at 32 pixels, and relights larger pictures at that.")
         assert other.in_words() == own.in_words()
 
     def test_a_size_that_no_file_tells_is_not_told_as_a_number(self):

@@ -172,7 +172,8 @@ class Sun:
 
     def in_words(self) -> str:
         """How large the pictures were that a network of another comparison learnt from, in a sentence."""
-        own = f"{self.size_px} pixels, and works at that" if self.size_px else "a size that its file does not tell"
+        known = f"{self.size_px} pixels, and relights larger pictures at that"
+        own = known if self.size_px else "a size that its file does not tell"
         return f"Sun et al.'s network is another comparison's, trained at {own}."
 
     @torch.inference_mode()
