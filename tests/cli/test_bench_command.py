@@ -3,6 +3,7 @@
 import argparse
 import itertools
 import subprocess
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
@@ -13,6 +14,8 @@ from app.cli import bench
 from relight_core.errors import InputError
 from relight_core.evaluation import bench_accuracy, bench_configurations, bench_machine, bench_session, bench_timing
 from relight_core.evaluation.bench_configurations import configurations
+from relight_core.lighting.rigs import rig_names
+from relight_core.networks.bundle import BundleConfig
 from relight_core.pipeline import relighter
 
 
@@ -87,7 +90,7 @@ def measured(monkeypatch, weights):
     for name in ("describe_machine", "measure_peaks"):
         monkeypatch.setattr(bench_machine, name, lambda *_: {})
     monkeypatch.setattr(bench_machine, "demands", lambda bundle, tier, device: tier)
-    monkeypatch.setattr(relighter, "Relighter", lambda *_: None)
+    monkeypatch.setattr(relighter, "Relighter", lambda *given: given == (weights, "cpu") or pytest.fail(str(given)))
     return errors, times, lambda *words: list(bench._measured(parsed("--weights", str(weights), *words), []))
 
 
@@ -110,6 +113,7 @@ def test_errors_against_the_truth_are_told_beside_those_against_the_final_tier(
     asked = []
 
     def against_truth(bundle, data, settings, *_):
+        assert bundle.config == BundleConfig.tiny(), "other weights than those that were given"
         asked.append((str(data.heads), str(data.lights), data.count, data.cases))
         return {setting.name: bench_accuracy.Accuracy(rmse=len(setting.name), psnr=1.0) for setting in settings}
 
@@ -157,9 +161,13 @@ def parsed(*words):
 )
 def test_every_setting_has_its_turn_as_often_as_was_asked_for(monkeypatch, words, rounds):
     asked = []
-    monkeypatch.setattr(bench_timing, "time_configurations", lambda *_, rounds, **__: asked.append(rounds))
-    bench._timed(parsed(*words), None, [], [])
-    assert asked == [rounds]
+    monkeypatch.setattr(bench_timing, "time_configurations", lambda *given, **named: asked.append((given, named)))
+    bench._timed(parsed(*words, "--device", "cuda"), "a relighter", ["a photo"], ["a setting"])
+    ((given, named),) = asked
+    assert (given[0], given[1], given[2].name, given[3]) == ("a relighter", ["a photo"], "rembrandt", ["a setting"])
+    assert (named["rounds"], named["device"]) == (rounds, "cuda")
+    # What the window's shader draws a picture from is made with the picture.
+    assert named["display"](SimpleNamespace(recipe="a recipe")) == "a recipe"
 
 
 def test_the_first_picture_is_as_quick_as_the_quickest_start_and_unknown_where_none_comes(monkeypatch):
@@ -175,17 +183,24 @@ def test_the_first_picture_is_as_quick_as_the_quickest_start_and_unknown_where_n
 @pytest.mark.parametrize(("words", "turns"), [((), 24), (("--quick",), 12), (("--turns", "5"), 5)])
 def test_a_session_is_replayed_on_every_photo_with_the_weights_that_are_measured(monkeypatch, words, turns):
     made, played = [], []
-    monkeypatch.setattr(relighter, "Relighter", lambda *given: made.append(given))
+    monkeypatch.setattr(relighter, "Relighter", lambda *given: made.append(given) or f"relighter {len(made)}")
     monkeypatch.setattr(bench_machine, "describe_machine", lambda device: {})
-    monkeypatch.setattr(bench_session, "replay", lambda *given, report: played.append(given[2:4]))
+    monkeypatch.setattr(bench_session, "replay", lambda *given, report: played.append(given))
     monkeypatch.setattr(bench_session, "as_markdown", lambda savings: "a table")
     monkeypatch.setattr(bench_session.Savings, "as_record", lambda savings: {})
     monkeypatch.setattr(bench_session, "recorded_session", lambda lights, turns: [(lights[0], turns)] * 4)
-    monkeypatch.setattr(bench_session, "visits", lambda lights, turns: [(light, turns) for light in lights[:3]])
+    monkeypatch.setattr(bench_session, "visits", lambda lights, turns: [(light, turns) for light in lights])
     pages = list(bench._replayed(parsed("--weights", "w.safetensors", *words), ["one", "two"]))
     assert [str(weights) for weights, _ in made] == ["w.safetensors"] * 2
-    assert [photo for photo, _ in played] == ["one", "one", "two", "two"]
-    assert {turned for _, steps in played for _, turned in steps} == {turns}
+    assert {given[:2] for given in played} == {("relighter 1", "relighter 2")}
+    assert [given[2] for given in played] == ["one", "one", "two", "two"]
+    assert {turned for given in played for _, turned in given[3]} == {turns}
+    # Both photos' sessions are counted together, and their visits apart from those.
+    (one, visited), (other, visited_again) = ([given[4] for given in played[at : at + 2]] for at in (0, 2))
+    assert one is other
+    assert visited is visited_again
+    assert visited is not one
     assert [record["photos"] for _, record in pages] == [1, 2]
-    assert (pages[0][1]["session"]["lights"], pages[0][1]["visits"]["lights"]) == (1, 3)
-    assert "visits: 2 photos, 3 lights" in pages[1][0]
+    visited = 3 if "--quick" in words else len(rig_names())
+    assert (pages[0][1]["session"]["lights"], pages[0][1]["visits"]["lights"]) == (1, visited)
+    assert f"visits: 2 photos, {visited} lights" in pages[1][0]

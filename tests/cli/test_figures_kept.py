@@ -63,8 +63,8 @@ def of_the_timing(monkeypatch):
     results = iter(["timing", "never reached"])
     monkeypatch.setattr(bench, "_measured", lambda *_: results)
     monkeypatch.setattr(bench_report, "as_markdown", str)
-    for name in ("as_record", "as_full_record"):
-        monkeypatch.setattr(bench_report, name, lambda result: {"of": result})
+    monkeypatch.setattr(bench_report, "as_record", lambda result: {"of": result})
+    monkeypatch.setattr(bench_report, "as_full_record", lambda result: {"all of": result})
     return "timing"
 
 
@@ -74,9 +74,9 @@ def of_the_session(monkeypatch):
 
 
 def of_files(monkeypatch):
-    times = {"whole_s": 5.0, "after_networks_s": 1.5, "peak_mib": 900.0, "file_mb": 16.0}
-    monkeypatch.setattr(bench_files, "time_files", lambda *_: {".png": times})
-    return "| PNG | 5.0 | 1.5 | 900 | 16 |"
+    times = {"whole_s": 5.0, "after_networks_s": 1.5, "peak_mib": 900.0}
+    monkeypatch.setattr(bench_files, "time_files", lambda photo, rounds, report: {".png": times | {"file_mb": rounds}})
+    return "| PNG | 5.0 | 1.5 | 900 | 7 |"
 
 
 def of_attacks(monkeypatch):
@@ -88,7 +88,12 @@ def of_attacks(monkeypatch):
 
 @pytest.mark.parametrize(
     ("words", "measured"),
-    [([], of_the_timing), (["--session"], of_the_session), (["--files"], of_files), (["--stability"], of_attacks)],
+    [
+        ([], of_the_timing),
+        (["--session"], of_the_session),
+        (["--files", "--rounds", "7"], of_files),
+        (["--stability"], of_attacks),
+    ],
     ids=["bench", "session", "files", "stability"],
 )
 @pytest.mark.parametrize("as_json", [False, True])
@@ -100,7 +105,10 @@ def test_a_bench_whose_files_can_t_be_written_is_told(command_line, tmp_path, mo
     assert done.code == 2
     assert "this is a folder" in done.err.splitlines()[-1]
     if as_json:
-        assert json.loads(done.out)
+        record = json.loads(done.out)
+        assert record
+        assert "all of" not in record, "that is for the file"
+        assert set(record.get("files", ["png"])) == {"png"}
     else:
         assert told in done.out
 
@@ -110,9 +118,13 @@ def test_an_error_above_its_bound_is_told_by_the_exit_code_and_all_is_written(
     command_line, tmp_path, monkeypatch, error, code
 ):
     found = stability.StabilityReport(("a face", "a sun"), (next(iter(stability.BOUNDS)),), np.array([[0.0], [error]]))
-    monkeypatch.setattr(stability, "run_stability", lambda *_, **__: found)
+    asked = []
+    monkeypatch.setattr(stability, "run_stability", lambda _photo, **given: asked.append(given) or found)
     monkeypatch.setattr(stability_plot, "plot_stability", lambda result, path: path.write_bytes(b"a picture"))
-    assert command_line("bench", "--stability", "-o", tmp_path).code == code
+    words = ["--quick", "--weights", "w.safetensors"] if error else []
+    assert command_line("bench", "--stability", *words, "-o", tmp_path).code == code
+    (given,) = asked
+    assert (given["quick"], str(given["weights"])) == ((True, "w.safetensors") if error else (False, "None"))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["stability.json", "stability.md", "stability.png"]
 
 
