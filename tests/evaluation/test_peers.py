@@ -1,5 +1,7 @@
 """Others' methods: what their papers promise on portraits small enough to reason about."""
 
+import itertools
+
 import numpy as np
 import pytest
 import torch
@@ -7,6 +9,7 @@ from torch import nn
 
 from relight_core.errors import InputError
 from relight_core.evaluation.contest import Task
+from relight_core.evaluation.peers import sun
 from relight_core.evaluation.peers.blurring import blurred_within
 from relight_core.evaluation.peers.dpr import Dpr, DprNetwork, harmonics, load_dpr
 from relight_core.evaluation.peers.shih import Shih, transfer_statistics
@@ -15,6 +18,7 @@ from relight_core.evaluation.peers.sun import Sun, SunConfig, SunModel, load_sun
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.sphere import directions
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
+from relight_core.training.run import Run
 
 SIZE = 32
 
@@ -63,18 +67,27 @@ def test_local_statistics_of_the_example_come_over(given, surface, covered):
     assert 0 <= made.min() <= made.max() <= 1
 
 
+def checkered(image, covered):
+    """How much neighbours differ, within the head."""
+    moved = [np.roll(covered, step, axis) for step in (3, -3) for axis in (0, 1)]
+    inner, grey = np.logical_and.reduce([covered, *moved]), image[..., 0]
+    return float(np.abs(grey[1:, :] - grey[:-1, :])[inner[1:, :]].mean())
+
+
 def test_the_photo_s_own_texture_survives_the_example_s_light(surface, covered):
     photo, example = lit_from(surface, (0.8, 0, 0.6), texture=0.3), lit_from(surface, (-0.8, 0, 0.6))
     made = transfer_statistics(photo, example, covered)
-    inner = (
-        covered & np.roll(covered, 3, 0) & np.roll(covered, -3, 0) & np.roll(covered, 3, 1) & np.roll(covered, -3, 1)
-    )
+    assert checkered(made, covered) > 2 * checkered(example, covered)
+    assert checkered(made, covered) > 0.75 * checkered(photo, covered)
 
-    def checkered(image):
-        grey = image[..., 0]
-        return float(np.abs(grey[1:, :] - grey[:-1, :])[inner[1:, :]].mean())
 
-    assert checkered(made) > 2 * checkered(example)
+@pytest.mark.parametrize(("texture", "least", "most"), [(0.2, 1.3, 1.7), (0.03, 2.0, 2.9)])
+def test_a_texture_becomes_as_strong_as_the_example_s_but_by_no_more_than_its_limit(
+    surface, covered, texture, least, most
+):
+    photo, example = (lit_from(surface, (0.0, 0, 1.0), texture=strength) for strength in (texture, 0.3))
+    made = transfer_statistics(photo, example, covered)
+    assert least < checkered(made, covered) / checkered(photo, covered) < most
 
 
 def test_transport_gives_each_place_the_example_s_colours(surface, covered):
@@ -135,6 +148,34 @@ class TestSun:
         sun_losses(model, ReflectionTable(), batch)
         torch.testing.assert_close(told[0][0], batch["light"][0, 1])
         torch.testing.assert_close(told[0][1], batch["light"][0, 0])
+
+    def test_a_picture_that_is_true_on_the_head_costs_nothing_whatever_lies_beside_it(self):
+        model, batch = self.model(), some_pairs()
+        batch["covered"][0, ..., 8:] = batch["covered"][1, ..., :8] = 0
+        lights, beside = batch["light"].flatten(0, 1), 1 - batch["covered"].repeat_interleave(2, 0)
+
+        def decode(features, light):
+            numbers = [next(n for n, known in enumerate(lights) if torch.equal(known, one)) for one in light]
+            return batch["image"].flatten(0, 1)[numbers] + 5 * beside
+
+        model.network.encode = lambda photos: ([photos], lights)
+        model.network.decode = decode
+        losses = sun_losses(model, ReflectionTable(), batch)
+        for name in ("relit", "same", "light", "irradiance"):
+            assert float(losses[name]) == pytest.approx(0, abs=1e-6), name
+
+    def test_a_training_that_goes_on_goes_round_in_its_batches_from_where_it_was(self, tmp_path, monkeypatch):
+        told = []
+        monkeypatch.setattr(sun, "train_stage", lambda *given: told.append(given))
+        monkeypatch.setattr(sun, "shared_batches", lambda run, first: itertools.count(first))
+        sun.train_sun(Run("", tmp_path, tmp_path, tmp_path / "sun" / "s.safetensors", size=64), 9, 3)
+        ((_, model, batches_from, *_, drawn_by),) = told
+        assert [list(itertools.islice(batches_from(first), 5)) for first in (0, 4)] == [
+            [0, 1, 2, 0, 1],
+            [1, 2, 0, 1, 2],
+        ]
+        assert (drawn_by["batches"], drawn_by["size"]) == (3, 64)
+        assert Sun(model).size_px == 64
 
     def test_weights_come_back_and_others_are_refused(self, tmp_path, surface, covered):
         model = self.model().eval()
@@ -227,6 +268,17 @@ class TestDpr:
         assert np.sign(found[place]) == sign
         assert found[0] == pytest.approx(0.76, rel=1e-3)
 
+    def test_a_point_of_light_has_the_harmonics_of_its_direction_in_their_axes(self):
+        point = directions(64, 128) @ np.array([0.48, 0.6, 0.64]) > 0.995
+        x, y, z = 0.48, -0.64, 0.6
+        basis = [
+            *(0.2820948, 0.4886025 * y, 0.4886025 * z, 0.4886025 * x, 1.0925484 * y * x, 1.0925484 * y * z),
+            *(0.3153916 * (3 * z**2 - 1), 1.0925484 * x * z, 0.5462742 * (x**2 - y**2)),
+        ]
+        expected = 0.76 / 0.2820948 * np.array(basis)
+        found = harmonics(point.astype(np.float32)[..., None].repeat(3, 2))
+        np.testing.assert_allclose(found, expected, atol=0.03)
+
     def test_an_even_light_has_the_first_harmonic_alone(self):
         found = harmonics(np.ones((16, 32, 3), np.float32))
         assert np.abs(found[1:]).max() < 0.01
@@ -240,3 +292,19 @@ class TestDpr:
         assert made.shape == photo.shape
         assert np.isfinite(made).all()
         assert (made[covered][:, 0] >= made[covered][:, 2]).mean() > 0.95
+
+    def test_a_network_that_changes_nothing_gives_the_photo_at_its_exposure(self, surface, covered):
+        photo = lit_from(surface, (0.0, 0, 1.0)) * np.array([0.8, 0.5, 0.4], np.float32)
+        told = []
+        peer = Dpr(lambda lightness, light: (told.append((lightness, light)) or lightness, None), size=SIZE)
+        seen = peer.look(photo)
+        kept = seen.copy()
+        light = np.random.default_rng(0).random((16, 32, 3), np.float32)
+        made = peer.relight(seen, Task(light, 2.0, photo, covered, surface))["composition"]
+        # OpenCV's Lab is as exact as its tables.
+        np.testing.assert_allclose(2 * made, photo, atol=5e-3)
+        np.testing.assert_array_equal(seen, kept)
+        ((lightness, harmonic),) = told
+        assert lightness.shape == (1, 1, SIZE, SIZE)
+        assert 0.5 < lightness.max() <= 1
+        np.testing.assert_allclose(harmonic.flatten(), harmonics(light))

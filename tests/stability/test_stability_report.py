@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import torch
 
 from relight_core.evaluation import stability
 from relight_core.evaluation.stability import BOUNDS, StabilityReport, run_stability
@@ -111,6 +112,55 @@ def test_portraits_are_under_and_over_exposed_grainy_grey_and_red():
     assert 0.05 < np.std(found["grainy"] - image) < 0.15
     assert np.ptp(found["monochrome"], axis=2).max() == 0
     np.testing.assert_allclose(found["red only"], image * (1, 0, 0))
+
+
+class OnThreads(BrokenAtFinal):
+    """Grey pictures, of which one pixel tells how many threads there are."""
+
+    def __init__(self, weights=None, device="cpu"):
+        self.weights, self.portraits = weights, []
+
+    def set_portrait(self, photo, boxes):
+        self.portraits.append((photo, boxes))
+
+    def relight(self, light, edit):
+        image = np.full((4, 4, 3), 0.5 * light.level, np.float32)
+        image[0, 0] *= 1 + torch.get_num_threads() / 10
+        return SimpleNamespace(image=image, channels={"composition": image})
+
+
+@pytest.mark.parametrize("quick", [False, True])
+def test_every_portrait_is_attacked_by_every_light_with_the_weights_that_were_given(quick, monkeypatch):
+    made, threads = [], torch.get_num_threads()
+    monkeypatch.setattr(stability, "choose_faces", lambda photo: ["a face", "another"])
+    monkeypatch.setattr(stability, "Relighter", lambda *given: made.append(OnThreads(*given)) or made[-1])
+    report = run_stability(Photo(np.full((4, 4, 3), 0.25, np.float32)), quick=quick, weights="w.safetensors")
+    portraits = [name.split(", ")[0] for name in report.cases]
+    # Each with three relighters of its own where threads are compared, after the one that makes all else.
+    compared = ["as it is"] if quick else list(dict.fromkeys(portraits))
+    assert {relighter.weights for relighter in made} == {"w.safetensors"}
+    assert len(made) == 1 + 3 * len(compared)
+    shown = [photo.linear for photo, _ in made[0].portraits]
+    assert len(shown) == len(set(portraits)) == (2 if quick else 6)
+    assert all(boxes == ["a face"] for relighter in made for _, boxes in relighter.portraits)
+    for number, relighter in enumerate(made[1:]):
+        assert relighter.portraits[0][0].linear is shown[number // 3]
+    assert len(report.cases) == (4 if quick else 48)
+    column = report.errors[:, report.checks.index("threads")]
+    told = [name for name, error in zip(report.cases, column, strict=True) if np.isfinite(error)]
+    assert told == [f"{name}, noise" for name in compared]
+    assert [failure.split(":")[0] for failure in report.failures if ": threads" in failure] == told
+    assert torch.get_num_threads() == threads
+
+
+def test_lights_are_suns_in_bad_places_lamps_of_one_colour_and_none():
+    lights = stability.hostile_lights()
+    for name, at in (("sun ahead", (28, 2)), ("sun at the seam", (20, 127)), ("sun at the pole", (0, 9))):
+        assert lights[name][at].min() >= 1e6
+        assert np.count_nonzero(lights[name]) == 3
+    assert lights["blue lamp"].max(axis=(0, 1)).tolist() == pytest.approx([2e4, 1e5, 1e6])
+    assert lights["black"].max() == 0
+    assert np.ptp(lights["even"]) == 0
 
 
 def test_an_error_above_its_bound_is_named():
