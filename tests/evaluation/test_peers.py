@@ -186,7 +186,10 @@ class TestSun:
         task = Task(np.ones((16, 32, 3), np.float32), 1.0, photo, covered, surface)
         one, other = (Sun(m).relight(Sun(m).look(photo), task)["composition"] for m in (model, again))
         np.testing.assert_array_equal(one, other)
-        assert Sun(again).channels(Sun(again).look(photo))["guess"].shape == (16, 32, 3)
+        encoded = np.where(photo <= 0.0031308, 12.92 * photo, 1.055 * photo ** (1 / 2.4) - 0.055)
+        with torch.no_grad():
+            _, light = model.network.encode(torch.from_numpy(encoded).permute(2, 0, 1)[None].float())
+        np.testing.assert_allclose(Sun(again).channels(Sun(again).look(photo))["guess"], light[0], rtol=1e-3)
         with pytest.raises(InputError, match=r"not the weights of relight's networks \(their header has no 'specular_"):
             load_bundle(tmp_path / "s.safetensors")
         save_bundle(tmp_path / "ours.safetensors", NetworkBundle(BundleConfig.tiny()))
