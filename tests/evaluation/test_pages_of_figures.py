@@ -5,6 +5,7 @@ import pytest
 
 from relight_core.evaluation.ablation.table import as_markdown as ablation_page
 from relight_core.evaluation.contest import Contest, Outcome
+from relight_core.evaluation.contest_report import as_record as contest_record
 from relight_core.evaluation.evaluate import Evaluation, Settings
 from relight_core.evaluation.metrics import Interval
 from relight_core.evaluation.peers.table import as_markdown as peers_page
@@ -153,3 +154,6 @@ def test_a_comparison_says_who_was_given_the_truth_and_what_a_borrowed_light_bri
     at = page.index("| | RMSE | PSNR | SSIM |")
     assert page[at + 2] == "| Shih et al. 2014 | 0.0389 | 29.4 | 0.877 |"
     assert page[at + 6] == "| Full | 0.0281 | 31.8 | 0.914 |"
+    record = contest_record(some_outcome(**BARE), "Trained for no time.")
+    assert (record["split"], record["size"], record["samples"], record["heads"]) == ("validation", 64, 12, 3)
+    assert record["rows"]["whole"]["relit"]["psnr_gain"] == 21
