@@ -48,14 +48,16 @@ def answer(value=0.0, bounds=(), ran=None):
 
 
 def test_a_stage_that_has_run_once_counts_in_every_update_by_what_it_last_took():
-    ran = [{"delight": 100.0, "compose": 10.0}, {"delight": None, "compose": 20.0}, {"delight": None, "compose": None}]
+    reused = {"delight": None, "compose": None}
+    # In the last update nobody asked for de-lighting's result.
+    ran = [{"delight": 100.0, "compose": 10.0}, reused | {"compose": 20.0}, reused, {"compose": None}]
     relighter, told = Answering(*(answer(ran=stages(**ms)) for ms in ran)), []
-    savings, session = Savings(), [(some_light(), Edit())] * 3
+    savings, session = Savings(), [(some_light(), Edit())] * 4
     replay(relighter, None, "a photo", session, savings, report=lambda: told.append(savings.updates))
     assert relighter.photos == ["a photo"]
-    assert (savings.updates, savings.runs, savings.avoided) == (3, 6, 3)
-    assert (savings.ms, savings.ms_of_everything) == (130.0, 110.0 + 120.0 + 120.0)
-    assert told == [1, 2, 3]
+    assert (savings.updates, savings.runs, savings.avoided) == (4, 8, 5)
+    assert (savings.ms, savings.ms_of_everything) == (130.0, 110.0 + 3 * 120.0)
+    assert told == [1, 2, 3, 4]
     assert savings.compared == 0
 
 
