@@ -6,6 +6,9 @@ from synthetic_heads import write_balls, write_lights
 
 from app.cli.main import main
 from relight_core.evaluation import breakdown, contest, evaluate
+from relight_core.evaluation.ablation import table as ablation
+from relight_core.evaluation.ablation import variants
+from relight_core.evaluation.peers import table as peers
 from relight_core.evaluation.peers.sun import SunConfig, SunModel
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, save_bundle
 from relight_core.pipeline.quality import quality_of
@@ -93,3 +96,33 @@ def test_peers_that_learn_nothing_ask_for_no_heads_to_learn_from(tmp_path, takin
     given = ["--weights", str(given), "--sun", str(tmp_path / "sun.safetensors")]
     assert main(["evaluate", "peers", *data, *given, "--size", "32"]) == 130
     assert taking_part[-2:] == ["ours", "ours.safetensors"]
+
+
+@pytest.mark.parametrize(("what", "has_variants"), [("ablation", False), ("peers", False), ("peers", True)])
+def test_a_table_is_trained_and_measured_as_was_asked_for(tmp_path, monkeypatch, what, has_variants):
+    for first in (0, 1_000_000):
+        write_balls(tmp_path / "heads", first, 1, size=32)
+    write_lights(tmp_path / "lights.npz", 20)
+    given, budgets, contests = tmp_path / "given.safetensors", [], []
+    save_bundle(given, NetworkBundle(BundleConfig.tiny()))
+
+    def trained(heads, lights, folder, *asked):
+        budgets.append((heads, lights, *(one for one in asked if not callable(one))))
+
+    def measured(everybody, contest, report):
+        contests.append(contest)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(variants, "train_variants", trained)
+    monkeypatch.setattr(variants, "trained_variants", lambda folder: {"Full": given} if has_variants else {})
+    monkeypatch.setattr(peers, "trained_sun", trained)
+    monkeypatch.setattr(ablation, "score_variants", measured)
+    monkeypatch.setattr(contest, "hold", measured)
+    data = tmp_path / "heads", tmp_path / "lights.npz"
+    words = ["--heads", data[0], "--lights", data[1], "-o", tmp_path / "tables", "--split", "validation", "--count", 3]
+    words += ["--size", 32, "--pairs", 2, "--steps", 7, "--every", 5, *(["--weights", given] * (what == "peers"))]
+    assert main(["evaluate", what, *map(str, words)]) == 130
+    # Beside weights that are given, Sun et al.'s network is as large as theirs; beside the variants as large as those.
+    like = [None if has_variants else BundleConfig.tiny().delight] * (what == "peers")
+    assert budgets == [(*data, variants.Budget(7, 32, 2), *like)]
+    assert contests == [contest.Contest(*data, 32, "validation", 3, 5)]
