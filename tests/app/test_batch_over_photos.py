@@ -149,7 +149,7 @@ def test_what_a_batch_that_was_cancelled_did_not_make_is_awaited_no_more(outputs
     outputs.batch_over(photos, tmp_path / "relit")
     assert outputs.done_already(photos, tmp_path / "relit") == (0, 3)
 
-    def stop(done, total):
+    def stop(done, total, unneeded):
         raise Cancelled
 
     with pytest.raises(Cancelled):
