@@ -10,7 +10,8 @@ from drawn_portrait import CROP, make_matte, portrait
 from relight_core.face.crop import Crop
 from relight_core.imaging.photo import Photo
 from relight_core.pipeline.per_photo.exposing import exposure_about_faces
-from relight_core.pipeline.per_photo.matte import draft_matte, own_colour
+from relight_core.pipeline.per_photo.matte import draft_matte
+from relight_core.pipeline.per_photo.mixed_pixels import own_colour
 from relight_core.pipeline.per_photo.person import canvas_of, whole_person
 
 

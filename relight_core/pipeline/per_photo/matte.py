@@ -1,4 +1,4 @@
-"""The person's matte (alpha), and the person's own colour (the foreground's, not premultiplied) where it is soft."""
+"""The person's matte (alpha), and the mean colours of person and background about every place."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from relight_core.face.paste import Band, all_of
 from relight_core.imaging.colour import luminance
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.photo_frame import Inside, going_on, inside_frame, picture_cells, shrunk_inside, whole_inside
+from relight_core.imaging.ramp import ramp
 from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.imaging.view_transform import apply_view
 from relight_core.pipeline.per_photo.brush import BrushStroke, painted
@@ -29,8 +30,8 @@ _FUSION_PX = 512
 """Longer side of the maps of foreground and background colours."""
 _NEAR_SHARE = 0.015
 """Standard deviation of the blur in `Matte.nearby`, as a share of its longer side."""
-_LEAST_OWN = 0.5
-"""Each channel of the person's own colour has at least this share of the person's mean colour."""
+_CRISP_CELLS, _CRISP = 7, (0.7, 0.98)
+"""By how much a matte changes within so many cells where its outline is perhaps, and surely, crisp."""
 _EDGE_CODES = 3.0
 """Steps of the guide, in 255ths, from which on the guided filter sees an edge instead of noise."""
 _EDGE_WINDOWS = 128
@@ -55,6 +56,7 @@ class Matte:
             longer side of at most WORKING_PX; None if there is no frame.
         ends: the same in pixels of the photo, if the photo is longer. Outside there is only what was painted there.
         beyond: (h, w) in [0, 1], the matte painted outside; None for nothing.
+        crisp: (h, w) in [0, 1], how surely the outline is as narrow as that of a thing in focus; None for nowhere.
     """
 
     slope: np.ndarray
@@ -67,52 +69,13 @@ class Matte:
     inside: Inside | None = None
     ends: Inside | None = None
     beyond: np.ndarray | None = None
+    crisp: np.ndarray | None = None
 
 
 def guide_of(linear: np.ndarray) -> np.ndarray:
     """The guide, whose edges the matte follows: the square root of luminance, (..., 3) to (...), [0, 1]."""
     grey = np.clip(luminance(linear), 0.0, 1.0)
     return np.sqrt(grey, out=grey)
-
-
-def own_colour(linear: np.ndarray, share: np.ndarray, person: np.ndarray, behind: np.ndarray) -> np.ndarray:
-    """The person's own colour where the matte is soft (the foreground of the compositing equation).
-
-    A pixel is modelled as a mix, by the matte, of the mean colours of both sides, plus a remainder. The remainder times
-    the matte is added to the person's mean colour. Two cases need more than that:
-
-    - A pixel darker than both means can't be a mix of them, such as hair between skin and a wall where the matte is one
-      half. So both means are first dimmed until the darker one is as dark as the pixel. Otherwise clipping at 0 would
-      leave the person only the strongest channel.
-    - Where a strand in front of a bright sky covers more of a pixel than the matte says, the remainder would remove all
-      of the colour, or all but one channel. So no channel falls below half of the person's mean, as far as the pixel
-      contains that much.
-
-    Args:
-        linear: (h, w, 3), pixels of the photo.
-        share: (h, w) the matte there, [0, 1].
-        person, behind: (h, w, 3) linear, mean colours of the foreground and the background.
-
-    Returns:
-        (h, w, 3) linear, >= 0, not premultiplied; times the matte it is no brighter than the pixel. Where the matte is
-        0 or 1, it is the pixel itself.
-    """
-    soft = np.flatnonzero((share > 0.0) & (share < 1.0))
-    if not soft.size:
-        return linear
-    alpha = share.ravel()[soft]
-    mean, mixed, beside = (side.reshape(-1, 3)[soft] for side in (person, linear, behind))
-    seen = np.maximum(luminance(mixed), np.finfo(np.float32).tiny)
-    dimmed = seen / np.maximum(np.minimum(luminance(mean), luminance(beside)), seen)
-    colour = linear.copy(order="C")
-    # Channel by channel, since NumPy is slow with arrays whose last dimension is 3.
-    for channel in range(3):
-        at, of_person, of_behind = mixed[:, channel], dimmed * mean[:, channel], dimmed * beside[:, channel]
-        remainder = at - alpha * of_person - (1.0 - alpha) * of_behind
-        most = np.maximum(at, 0.0) / alpha
-        own = np.clip(of_person + alpha * remainder, np.minimum(_LEAST_OWN * of_person, most), most)
-        colour.reshape(-1, 3)[soft, channel] = own
-    return colour
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,7 +214,14 @@ def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) 
     nearby = cv2.GaussianBlur(resize_area(share, fused), (0, 0), max(max(fused) * _NEAR_SHARE, 0.5))
     nearby = np.clip(nearby, 0.0, 1.0)
     found = slope, level, *_sides(small, share), nearby
-    return Matte(*found, exposure=draft.exposure, inside=draft.inside, ends=ends, beyond=beyond)
+    where = {"inside": draft.inside, "ends": ends, "beyond": beyond}
+    return Matte(*found, exposure=draft.exposure, crisp=_crispness(share), **where)
+
+
+def _crispness(share: np.ndarray) -> np.ndarray:
+    """How surely a matte (h, w) goes from nothing to all within a few cells, [0, 1]."""
+    window = np.ones((_CRISP_CELLS, _CRISP_CELLS), np.uint8)
+    return ramp(cv2.dilate(share, window) - cv2.erode(share, window), *_CRISP)
 
 
 def _painted_beyond(inside: Inside | None, share: np.ndarray) -> np.ndarray | None:

@@ -13,7 +13,8 @@ from relight_core.imaging.photo import Photo, without_black
 from relight_core.imaging.photo_frame import Inside
 from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.pipeline.per_photo.exposing import exposed
-from relight_core.pipeline.per_photo.matte import Matte, guide_of, own_colour
+from relight_core.pipeline.per_photo.matte import Matte, guide_of
+from relight_core.pipeline.per_photo.mixed_pixels import own_colour, refined_share
 
 _LEAST_ALPHA = 1e-12
 
@@ -94,7 +95,9 @@ def person_in(canvas: Canvas, matte: Matte, band: Band) -> Person:
             share += ~within * spread_window(matte.beyond, everywhere, band)
     if not ((share > 0) & (share < 1)).any():
         return Person(share, linear)
-    sides = (spread_window(side, everywhere, band) for side in (matte.person, matte.behind))
+    sides = [spread_window(side, everywhere, band) for side in (matte.person, matte.behind)]
+    if matte.crisp is not None:
+        share = refined_share(linear, share, *sides, spread_window(matte.crisp, everywhere, band))
     return Person(share, own_colour(linear, share, *sides))
 
 
