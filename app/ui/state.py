@@ -74,6 +74,7 @@ class EditorState:
         export_path: where the next export goes, relative to the photo's folder; its suffix follows `export.form` and
             the other way round.
         export_wanted: suffix of an export that the user asked for; set for one frame.
+        quit_wanted: the window is to close, as by its own button; set for one frame.
         selected_box: index of the selected soft box, or -1.
         held: what the mouse holds on the panorama.
         hint_spent: something on the panorama was dragged since the mouse came to it, so no tooltip is needed.
@@ -129,6 +130,7 @@ class EditorState:
     playing: bool = False
     export_path: str = ""
     export_wanted: str | None = None
+    quit_wanted: bool = False
     selected_box: int = -1
     held: Grab | None = None
     hint_spent: bool = False

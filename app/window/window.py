@@ -366,6 +366,9 @@ class EditorWindow:
         if self.state.export_wanted:
             self._outputs.export(self.state.export_wanted)
             self.state.export_wanted = None
+        if self.state.quit_wanted:
+            glfw.set_window_should_close(self.handle, True)
+            self.state.quit_wanted = False
         self._ask_engine()
         if self.state.cancel_wanted is not None:
             self.exporter.cancel(self.state.cancel_wanted)

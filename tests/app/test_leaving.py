@@ -177,6 +177,28 @@ def test_the_window_stays_for_an_export_that_waits_for_its_picture(opened, relig
     assert photo_path.with_name("person-relit.png").exists()
 
 
+def test_the_window_closes_by_its_key_as_by_its_button(opened, relighter):
+    window = opened.window
+    relighter.gate.clear()
+    window.state.turn(5.0)
+    opened.frames(3)
+    for key, mods in ((glfw.KEY_E, 0), (glfw.KEY_Q, glfw.MOD_CONTROL)):
+        opened.hold(key, mods)
+        opened.release(key)
+    assert not window.may_close(), "a file is still being made"
+    (question,) = window.state.asking.questions
+    assert [label for label, _ in question.choices] == ["Finish first", "Stop it", "Stay open"]
+    opened.frames(3)
+    dict(question.choices)["Stay open"]()
+    relighter.gate.set()
+    opened.settle()
+    window.exporter.close()
+    opened.frames(3)
+    assert not window.may_close(), "whoever stayed wants to go on"
+    opened.key(glfw.KEY_Q, ctrl=True)
+    assert window.may_close()
+
+
 def test_work_that_can_not_be_kept_is_lost_only_if_the_user_says_so(work):
     work.busy, work.loses_work = False, True
     assert not work.leaving.allows(wanted=True)

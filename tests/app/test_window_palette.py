@@ -26,6 +26,14 @@ def test_the_palette_finds_a_bundled_light(opened):
     assert opened.window.state.light.name == "neon"
 
 
+def test_the_palette_closes_the_window(opened):
+    opened.key(glfw.KEY_P, ctrl=True)
+    opened.type("quit")
+    assert not opened.window.may_close()
+    opened.key(glfw.KEY_ENTER)
+    assert opened.window.may_close()
+
+
 def test_a_slider_of_a_hidden_panel_is_set_with_the_keyboard_alone(opened):
     state = opened.window.state
     state.panels, state.groups = Panels(effects=False), OpenGroups(effects=False)

@@ -67,6 +67,13 @@ PROGRAM = (
         "Closes what is open, gives Cancel to what is asked, or hides the message below",
         _close,
     ),
+    Action(
+        "Quit",
+        _PROGRAM,
+        ("Ctrl+Q",),
+        "Closes the window; asks first where files or work would be lost",
+        lambda state: setattr(state, "quit_wanted", True),
+    ),
 )
 
 ACTIONS: tuple[Action, ...] = (
