@@ -245,8 +245,8 @@ class EditorState:
             self.shown = RESULT
 
     def reset(self) -> None:
-        """Put every slider and the light back."""
-        self.edit, self.asking.level = Edit(), None
+        """Put every slider and the light back, which then stays there."""
+        self.edit, self.asking.level, self.playing = Edit(), None, False
         self.take_light_edit(self.light.opening_edit)
 
     def turn(self, degrees: float) -> None:

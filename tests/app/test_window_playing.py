@@ -1,5 +1,7 @@
 """The rotation that plays by itself is no hand on a control."""
 
+import glfw
+
 
 def test_what_is_set_while_the_rotation_plays_is_a_step_at_once_and_the_turn_one_at_its_end(opened):
     state = opened.window.state
@@ -15,3 +17,13 @@ def test_what_is_set_while_the_rotation_plays_is_a_step_at_once_and_the_turn_one
     state.playing = False
     opened.settle()
     assert [step.name for step in state.history.steps][2:] == ["Turn light to 40°"]
+
+
+def test_a_light_that_was_put_back_turns_no_further(opened):
+    state = opened.window.state
+    state.change(yaw_deg=40.0)
+    state.playing = True
+    opened.frames(3)
+    opened.key(glfw.KEY_R, ctrl=True)
+    opened.frames(3)
+    assert (state.playing, state.edit.yaw_deg) == (False, 0.0)
