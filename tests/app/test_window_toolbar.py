@@ -1,5 +1,6 @@
 """The bar over the picture, and what scrolls beside it."""
 
+import glfw
 import pytest
 from imgui_bundle import imgui
 from window_hand import places_drawn
@@ -50,6 +51,22 @@ def test_the_menu_lists_both_tools_over_the_picture(opened, monkeypatch):
 def test_without_a_photo_nothing_can_be_compared(hand):
     hand.click(WIPE)
     assert hand.window.state.look.compare == "off"
+
+
+def test_a_comparison_waits_while_the_photo_s_own_light_is_shown(opened):
+    state = opened.window.state
+    opened.click(WIPE)
+    bright = opened.window.screenshot()[8:24, 470:520].max()
+    opened.key(glfw.KEY_5)
+    opened.move(FIT)
+    greyed = opened.window.screenshot()[8:24, 470:520].max()
+    assert (state.shown_name(), bool(greyed < 0.8 * bright)) == ("source_light", True)
+    opened.click(SIDE)
+    opened.key(glfw.KEY_W)
+    assert state.look.compare == "wipe"
+    opened.key(glfw.KEY_9)
+    opened.key(glfw.KEY_W)
+    assert state.look.compare == "off"
 
 
 def test_controls_are_as_wide_with_a_scroll_bar_as_without(opened):

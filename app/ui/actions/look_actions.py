@@ -8,6 +8,7 @@ from app.ui.actions.action import Action, Gesture, has_photo, has_picture
 from app.ui.channels import CHANNELS, PHOTO, RESULT, Channel
 from app.ui.layout import Panels
 from app.ui.state import EditorState
+from app.ui.viewport.panes import can_compare
 from app.ui.viewport.viewport_panel import ZOOM_PER_STEP, fit, toggle_actual_size, zoom_by
 
 _LOOK, _PICTURES, _READ, _PANELS = "Look", "Pictures", "Read", "Panels"
@@ -98,7 +99,7 @@ COMPARING = (
         "Wipe",
         _LOOK,
         "The photo left of a line that you drag, the picture right of it",
-        has_picture,
+        can_compare,
     ),
     _choose(
         "compare",
@@ -107,7 +108,7 @@ COMPARING = (
         "Side by side",
         _LOOK,
         "The photo beside the picture; they move together",
-        has_picture,
+        can_compare,
     ),
 )
 

@@ -12,6 +12,7 @@ from app.ui.actions import brush_actions, face_actions, look_actions
 from app.ui.actions.action import Action, has_photo, has_picture
 from app.ui.panels.groups import arrow
 from app.ui.state import EditorState
+from app.ui.viewport.panes import can_compare
 from app.ui.viewport.view import View
 from app.ui.viewport.viewport_panel import fit, toggle_actual_size
 
@@ -44,7 +45,7 @@ def _comparing(label: str, tooltip: str, value: str) -> _Button:
         tooltip,
         lambda state: state.look.choose("compare", value),
         lambda state: state.look.compare == value,
-        available=has_picture,
+        available=can_compare,
     )
 
 

@@ -91,6 +91,12 @@ def arrange_panes(state: EditorState, size: tuple[int, int]) -> Arrangement:
     return _wiped(state, name, frame, placement, size)
 
 
+def can_compare(state: EditorState) -> bool:
+    """Whether the photo can be seen beside what is chosen: every picture but a light, once there is one."""
+    picture = state.snapshot.picture
+    return picture is not None and not (state.shown in LIGHTS and state.shown in picture.channels)
+
+
 def _arrange_the_coming(state: EditorState, size: tuple[int, int]) -> Arrangement:
     """The photo that is being read, all of it, if there is one."""
     coming = state.snapshot.coming
