@@ -89,7 +89,12 @@ def _folder_above_is_wished() -> bool:
 
 def _above(request: FileRequest) -> Path:
     """The folder above the one that is listed; in full, since above "." there would be "." again."""
-    return Path(os.path.abspath(os.path.dirname(os.path.expanduser(request.text)))).parent
+    return Path(os.path.abspath(os.path.dirname(_in_full(request, request.text)))).parent
+
+
+def _in_full(request: FileRequest, text: str) -> str:
+    """A typed path, which begins in the dialog's folder unless it says where; nothing typed is that folder."""
+    return os.path.join(request.folder, os.path.expanduser(text))
 
 
 def _rows(request: FileRequest, entered: bool) -> bool:
@@ -111,7 +116,7 @@ def _rows(request: FileRequest, entered: bool) -> bool:
     if _row(0, "..   the folder above   (Alt + Up)", is_at, moved and is_at) or (entered and is_at):
         _look_into(request, above, os.path.basename(request.text))
         entered = False
-    typed = Path(os.path.expanduser(request.text))
+    typed = Path(_in_full(request, request.text))
     for number, path in enumerate(shown, 1):
         is_folder, is_at = number <= len(folders), number == request.row
         is_chosen = not is_folder and str(path) == str(typed)
@@ -145,9 +150,9 @@ def _move(request: FileRequest, count: int) -> bool:
 def _listed(request: FileRequest) -> str:
     """The typed path that the list is made for: a chosen file stays among its neighbours, for the second click."""
     if request.text == request.chosen:
-        return request.chosen_among
-    path = os.path.expanduser(request.text)
-    return os.path.join(os.path.dirname(path), "") if os.path.isfile(path) else request.text
+        return _in_full(request, request.chosen_among)
+    path = _in_full(request, request.text)
+    return os.path.join(os.path.dirname(path), "") if os.path.isfile(path) else path
 
 
 def _row(number: int, label: str, is_lit: bool, comes_into_sight: bool) -> bool:
@@ -172,12 +177,13 @@ def _choose(request: FileRequest, path: Path, is_folder: bool, listed: str) -> N
 
 def _look_into(request: FileRequest, folder: Path, name: str) -> None:
     """List a folder; what is to be saved keeps its name there."""
+    request.folder = str(folder)
     request.text = request.chosen = os.path.join(folder, name if request.kind == "save" else "")
     request.chosen_among = os.path.join(folder, "")
 
 
 def _buttons(state: EditorState, request: FileRequest, entered: bool) -> None:
-    path = Path(os.path.expanduser(request.text))
+    path = Path(_in_full(request, request.text))
     is_folder = os.path.isdir(path)
     # With a slash behind it the name is a folder's, and a file of that name is not what was meant.
     fits = is_folder if request.kind == "folder" else bool(os.path.basename(request.text)) and not is_folder

@@ -121,6 +121,37 @@ def test_a_file_typed_by_way_of_the_folder_above_is_given_in_full(opened, folder
     assert chosen == [folder / "a.png"]
 
 
+@pytest.mark.parametrize("typed", ["a.png", "./a.png", "inside/../a.png"])
+def test_a_path_that_is_not_typed_in_full_begins_where_the_dialog_did(opened, folder, monkeypatch, typed):
+    elsewhere = folder.parent / "elsewhere"
+    for place in (folder, elsewhere):
+        (place / "inside").mkdir(parents=True)
+        (place / "a.png").touch()
+    monkeypatch.chdir(elsewhere)
+    chosen = ask(opened, f"{folder}{os.sep}")
+    opened.key(glfw.KEY_A, ctrl=True)
+    for letter in typed:
+        opened.window.on_character(None, ord(letter))
+    opened.frames(2)
+    assert opened.window.state.picking.text == typed
+    opened.key(glfw.KEY_ENTER)
+    assert chosen == [folder / "a.png"]
+
+
+def test_nothing_typed_lists_the_folder_that_was_gone_into(opened, folder, monkeypatch):
+    (folder / "inside").mkdir()
+    (folder / "inside" / "a.png").touch()
+    monkeypatch.chdir(folder.parent)
+    chosen = ask(opened, f"{folder}{os.sep}")
+    for key in (glfw.KEY_DOWN, glfw.KEY_DOWN, glfw.KEY_ENTER):
+        opened.key(key)
+    opened.key(glfw.KEY_A, ctrl=True)
+    opened.key(glfw.KEY_BACKSPACE)
+    assert opened.window.state.picking.text == ""
+    opened.double_click(row(opened, 0))
+    assert chosen == [folder / "inside" / "a.png"]
+
+
 def test_enter_goes_into_a_folder_that_was_typed_without_its_slash(opened, folder):
     (folder / "a.png").touch()
     chosen = ask(opened, folder)
