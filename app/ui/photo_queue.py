@@ -12,26 +12,30 @@ class PhotoQueue:
 
     Attributes:
         paths: the files.
-        at: index of the one that was asked for last.
+        at: index of the one that was asked for last, or of the open one where that was refused.
         is_beside: another photo than that is open.
+        passed: indices of those that were refused since the open one was asked for.
     """
 
     paths: tuple[Path, ...] = ()
     at: int = 0
     is_beside: bool = False
+    passed: frozenset[int] = frozenset()
 
     @property
     def current(self) -> Path | None:
-        """The file that was asked for last."""
+        """The file at `at`."""
         return self.paths[self.at] if self.paths else None
 
     def step(self, by: int) -> PhotoQueue | None:
-        """The queue some photos further on, or None beyond its ends."""
+        """The queue some photos further on, past those that were refused; None beyond its ends."""
         at = self.at + by
-        return PhotoQueue(self.paths, at) if 0 <= at < len(self.paths) else None
+        while at in self.passed:
+            at += 1 if by > 0 else -1
+        return PhotoQueue(self.paths, at, passed=self.passed) if 0 <= at < len(self.paths) else None
 
     def refused(self, before: PhotoQueue, stays: Path | None) -> PhotoQueue:
-        """The queue after its current photo was refused.
+        """The queue after its current photo was refused: at the open photo again, where that is one of it.
 
         A new queue is replaced by the one before it, unless that has at most one photo and the new one has others to
         step to.
@@ -42,7 +46,14 @@ class PhotoQueue:
         """
         is_fresh = self.paths != before.paths
         comes_back = is_fresh and (len(before.paths) > 1 or len(self.paths) == 1)
-        return before if comes_back else replace(self, is_beside=stays is not None and not self._is_at(stays))
+        if comes_back:
+            return before
+        if stays is None:
+            return self
+        there = (self if is_fresh else before).showing(stays)
+        if there.is_beside:
+            return replace(self, is_beside=True)
+        return there if there.at == self.at else replace(there, passed=self.passed | {self.at})
 
     def showing(self, path: Path | None) -> PhotoQueue:
         """The queue when a photo was opened in another way than by stepping, such as by undo."""

@@ -173,9 +173,16 @@ def test_the_queue_claims_no_photo_that_can_not_be_opened(state):
     open_wish(state)
     state.step_photo(1)
     refuse_photo(state)
-    assert (state.photo.path, state.queue.label) == (Path("a.jpg"), "– of 3")
+    assert (state.photo.path, state.queue.label) == (Path("a.jpg"), "1 of 3")
     state.step_photo(1)
     assert state.photo.path == Path("c.jpg")
+    open_wish(state)
+    state.step_photo(-1)
+    assert state.photo.path == Path("bad.jpg"), "it may be there by now"
+    refuse_photo(state)
+    assert (state.photo.path, state.queue.label) == (Path("c.jpg"), "3 of 3")
+    state.step_photo(-1)
+    assert state.photo.path == Path("a.jpg")
 
 
 def test_a_photo_dropped_together_with_its_folder_is_queued_once(state, tmp_path, monkeypatch):

@@ -21,8 +21,27 @@ def test_the_queue_before_comes_back_unless_only_the_new_one_has_other_photos(be
 
 def test_a_queue_goes_on_from_where_a_photo_of_its_own_is_refused():
     queue = PhotoQueue((A, B, C), 1)
-    assert queue.refused(PhotoQueue((A, B, C)), stays=A) == PhotoQueue((A, B, C), 1, is_beside=True)
+    assert queue.refused(PhotoQueue((A, B, C)), stays=D) == PhotoQueue((A, B, C), 1, is_beside=True)
     assert queue.refused(PhotoQueue(), stays=None) == queue
+
+
+def test_photos_that_were_refused_are_passed_by_from_the_one_that_stays_until_another_opens():
+    stays = queue = PhotoQueue((A, B, C, D), 0)
+    for led_to in (B, C):
+        queue = queue.step(1)
+        assert queue.current == led_to
+        queue = queue.refused(stays, stays=A)
+        assert (queue.label, queue.step(-1)) == ("1 of 4", None)
+    queue = queue.step(1)
+    assert (queue.label, queue.refused(stays, stays=A).step(1)) == ("4 of 4", None)
+    assert queue.showing(D).step(-1) == PhotoQueue((A, B, C, D), 2)
+
+
+def test_the_photo_that_stays_has_the_place_at_which_it_was_reached_though_the_queue_is_new():
+    twice = PhotoQueue((A, B, A, C), 2)
+    assert twice.step(-1).refused(twice, stays=A).label == "3 of 4"
+    new = PhotoQueue((C, A, D)).refused(PhotoQueue((A,)), stays=A)
+    assert (new.label, new.step(-1), new.step(1).current) == ("2 of 3", None, D)
 
 
 def test_a_step_leads_to_the_next_photo_and_never_beyond_the_ends():
