@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.engine.exporting import FORMS, default_export_path
-from app.engine.places import from_home
+from app.engine.places import from_home, full_path
 from app.engine.sources import PhotoSource
 
 if TYPE_CHECKING:
@@ -104,7 +104,8 @@ def take_named_form(state: EditorState) -> None:
 
 def export_to(state: EditorState, path: Path) -> None:
     """Let the next export go there, as the kind of file the name says; beside the photo a name alone is kept."""
-    state.export_path = path.name if path.parent == suggested_place(state).parent else str(path)
+    folder, full = suggested_place(state).parent, full_path(path)
+    state.export_path = path.name if folder in (path.parent, full.parent) else str(full)
     take_named_form(state)
 
 

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 from opened_things import open_light, open_wish, opened_for
 
-from app.engine.exporting import free_path
+from app.engine.exporting import ExportSettings, free_path
 from app.engine.places import from_home
 from app.engine.snapshot import Picture, Snapshot
 from app.engine.sources import PhotoSource
@@ -100,6 +100,20 @@ def test_where_what_was_typed_names_nothing_the_suggested_name_comes_back_into_s
     state.export_path = typed
     take_named_form(state)
     assert (state.export.form, state.export_path) == (".jpg", "~me-relit.jpg")
+
+
+def test_a_place_typed_by_way_of_the_folder_above_is_in_sight_without_the_detour(state, tmp_path):
+    (tmp_path / "far" / "deep").mkdir(parents=True)
+    (tmp_path / "link").symlink_to(tmp_path / "far" / "deep")
+    for typed, shown in (
+        ("../x/y.tif", str(tmp_path.parent / "x" / "y.tif")),
+        (f"../{tmp_path.name}/y.tif", "y.tif"),
+        ("link/y.tif", str(tmp_path / "link" / "y.tif")),
+        ("link/../y.tif", str(tmp_path / "link" / ".." / "y.tif")),
+    ):
+        state.export, state.export_path = ExportSettings(), typed
+        take_named_form(state)
+        assert (state.export.form, state.export_path) == (".tif", shown)
 
 
 @pytest.mark.parametrize("typed", ["~/", "../", "best/", "~b"])
