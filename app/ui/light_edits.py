@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 from app.ui import brush_edits, face_edits
 from app.ui.viewport.box_tools import with_box, without_box
 from relight_core.lighting.light_edit import MOST_BOXES, MOST_LEVEL_EV, put_together, taken_apart
+from relight_core.lighting.soft_box import SoftBox
 
 if TYPE_CHECKING:
     from app.engine.snapshot import Picture
     from app.engine.sources import RelitLike
     from app.ui.state import EditorState
-    from relight_core.lighting.soft_box import SoftBox
 
 
 @dataclass
@@ -145,6 +145,12 @@ def has_lamps(state: EditorState) -> bool:
     """Whether the light that is wanted is there and has lamps of its own that can be moved."""
     light = state.snapshot.light
     return light is not None and state.light.same_as(light.source) and bool(light.lamps)
+
+
+def as_it_came(state: EditorState, box: SoftBox) -> SoftBox:
+    """A lamp of the light itself as it is in the light; for a soft box that was added, a new one."""
+    lamps = state.snapshot.light.lamps if box.name and has_lamps(state) else ()
+    return next((lamp for lamp in lamps if lamp.name == box.name), SoftBox())
 
 
 def switch_lamps(state: EditorState) -> None:

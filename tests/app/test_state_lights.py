@@ -129,6 +129,15 @@ def test_the_lights_own_lamps_become_soft_boxes_and_go_with_it():
     assert not light_edits.has_lamps(state)
 
 
+def test_what_is_no_lamp_of_the_light_that_is_there_came_as_a_new_soft_box_does():
+    state, key = EditorState(), SoftBox(name="key", kelvin=5000.0)
+    state.snapshot = Snapshot(light=open_light(state.light, (SoftBox(name="fill", kelvin=4000.0), key)))
+    assert light_edits.as_it_came(state, replace(key, kelvin=7000.0)) == key
+    assert light_edits.as_it_came(state, SoftBox(kelvin=7000.0)) == SoftBox()
+    state.choose_light(LightSource("rig", "split"))
+    assert light_edits.as_it_came(state, key) == SoftBox(), "it is another light's"
+
+
 def test_adjustments_are_reset_and_lamps_stay_as_they_are():
     state, lamps = EditorState(), (SoftBox(name="key", intensity=2.0), SoftBox(azimuth_deg=70.0))
     state.choose_light(SKY)

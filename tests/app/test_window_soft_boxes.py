@@ -172,3 +172,29 @@ def test_a_box_that_is_deleted_while_its_number_is_typed_leaves_no_typing_behind
     opened.click(opened.panorama(uv_of(pair[1].direction)[0]))
     opened.frames(2)
     assert state.selected_box == 0
+
+
+def accented(hand, places):
+    """Of which sliders the track says that they are changed."""
+    frame = hand.window.screenshot()[:, :255].astype(int)
+    is_accent = (np.abs(frame - (237, 171, 87)) <= 3).all(-1)
+    return [name for name, (_, y) in places.items() if is_accent[round(y) - 4 : round(y) + 8].any()]
+
+
+def test_a_lamp_of_the_light_itself_is_unchanged_as_it_came_and_a_double_click_brings_that_back(opened, tracks):
+    state = opened.window.state
+    opened.light("rembrandt")
+    opened.key(glfw.KEY_M)
+    (came, *_) = state.light_edit.boxes
+    assert (came.name, came.kelvin) == ("key", 5000.0)
+    lamp = ("Brightness", "Soft edge", "Colour")
+    tracks.clear()
+    opened.frames(2)
+    places = {name: tracks[name] for name in lamp}
+    assert accented(opened, places) == []
+    light_edits.put_box(state, 0, replace(came, intensity=3.0, softness=0.9, kelvin=9000.0))
+    opened.settle()
+    assert accented(opened, places) == [*lamp]
+    for name in lamp:
+        opened.double_click(places[name])
+    assert state.light_edit.boxes[0] == came

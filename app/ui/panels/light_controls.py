@@ -21,7 +21,7 @@ from relight_core.lighting.soft_box import SOFT_BOX_RANGES, SoftBox, box_title
 from relight_core.lighting.summary import metered_level_ev
 
 _AT_REST = SoftBox()
-"""What a double click brings the sliders of a soft box back to."""
+"""What a double click brings the sliders of a soft box back to that was added."""
 
 _box_slider = partial(setting_slider, SOFT_BOX_RANGES, _AT_REST)
 _light_slider = partial(setting_slider, LIGHT_EDIT_RANGES, LightEdit())
@@ -159,7 +159,7 @@ def box(state: EditorState, fonts: theme.Fonts) -> None:
         light_edits.delete_box(state)
         return
     imgui.set_item_tooltip("Take this lamp away.  Delete")
-    changed = {field: widgets.slider(state, spec, getattr(boxes[index], field)) for field, spec in BOX.items()}
+    changed = {field: _lamp_slider(state, spec, field, boxes[index]) for field, spec in BOX.items()}
     if changed["kelvin"] != boxes[index].kelvin:
         changed["colour"] = None
     new = _shaped(state, replace(boxes[index], **changed))
@@ -168,10 +168,16 @@ def box(state: EditorState, fonts: theme.Fonts) -> None:
         light_edits.put_box(state, index, new)
 
 
+def _lamp_slider(state: EditorState, spec: widgets.Slider, field: str, lamp: SoftBox) -> float:
+    """A slider of a lamp, at rest where the lamp came; the field's value then."""
+    at_rest = getattr(light_edits.as_it_came(state, lamp), field)
+    return widgets.slider(state, replace(spec, rest=at_rest), getattr(lamp, field))
+
+
 def _shaped(state: EditorState, lamp: SoftBox) -> SoftBox:
     """Square, round, or a ring."""
     lamp = of_form(lamp, widgets.segmented(SHAPES, lamp.form))
-    return replace(lamp, hole=widgets.slider(state, HOLE, lamp.hole)) if lamp.is_round else lamp
+    return replace(lamp, hole=_lamp_slider(state, HOLE, "hole", lamp)) if lamp.is_round else lamp
 
 
 def of_form(lamp: SoftBox, form: str) -> SoftBox:
