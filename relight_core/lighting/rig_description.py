@@ -1,7 +1,7 @@
 """Descriptions of light rigs: area lights in a room or under a sky, read from TOML.
 
     title = "Rembrandt"
-    description = "One softbox, high and to the side."
+    description = "One soft box, high and to the side."
     white_balance_kelvin = 5600        # lamps of this temperature come out grey
 
     [room]                             # or [sky]

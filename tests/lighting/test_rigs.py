@@ -189,6 +189,12 @@ def test_bundled_rigs_are_lights_fit_to_use(name):
     assert rig.description
 
 
+def test_a_soft_box_is_spelt_in_descriptions_as_in_the_window():
+    words = " ".join(read_bundled_rig(name).description for name in rig_names()).lower()
+    assert "soft box" in words
+    assert "softbox" not in words
+
+
 @pytest.mark.parametrize("name", rig_names())
 def test_bundled_rigs_expose_a_white_card_rightly(name):
     """The best-lit way a card that the camera sees may face reflects about 1: the level is a proper exposure."""
