@@ -69,7 +69,6 @@ def apply_theme(scale: float) -> None:
         setattr(style, name, imgui.ImVec2(across * scale, down * scale))
     for name, colour in _COLOURS.items():
         style.set_color_(getattr(imgui.Col_, name), imgui.ImVec4(*colour))
-    style.hover_delay_normal = 0.45
     style.hover_stationary_delay = 0.1
 
 
