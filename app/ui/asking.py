@@ -17,7 +17,7 @@ class Question:
     Attributes:
         key: identifies it; a new question of the same key replaces it.
         text: one or two plain sentences.
-        choices: label and action of each button; Enter gives the first one.
+        choices: label and action of each button; Enter gives the newest question's first.
         calling_off: label of the choice that changes nothing, which Esc gives; empty if there is none.
     """
 

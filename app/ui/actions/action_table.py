@@ -6,6 +6,7 @@ from app.ui import brush_edits, face_edits
 from app.ui.actions import brush_actions, edit_actions, face_actions, look_actions
 from app.ui.actions.action import Action, Gesture
 from app.ui.state import EditorState
+from app.ui.viewport.questions import answered_by_enter
 
 _PROGRAM = "Program"
 
@@ -21,12 +22,12 @@ def _done(state: EditorState) -> None:
         face_edits.done(state)
     elif state.brush.is_open:
         brush_edits.done(state)
-    else:
-        state.asking.answer(state.asking.questions[-1], 0)
+    elif (question := answered_by_enter(state)) is not None:
+        state.asking.answer(question, 0)
 
 
 def _can_be_done(state: EditorState) -> bool:
-    return state.faces.is_open or state.brush.is_open or bool(state.asking.questions)
+    return state.faces.is_open or state.brush.is_open or answered_by_enter(state) is not None
 
 
 def _close(state: EditorState) -> None:

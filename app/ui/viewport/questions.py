@@ -20,6 +20,13 @@ def draw(state: EditorState, viewport: Rect) -> None:
     state.look.covered = top - viewport.y - em
 
 
+def answered_by_enter(state: EditorState) -> Question | None:
+    """The question whose first answer Enter gives: the newest, unless a tool is open that Enter finishes."""
+    if state.faces.is_open or state.brush.is_open or not state.asking.questions:
+        return None
+    return state.asking.questions[-1]
+
+
 def _card(state: EditorState, question: Question, viewport: Rect, top: float) -> float:
     em = imgui.get_font_size()
     width = min(34 * em, viewport.width - 2 * em)
@@ -39,13 +46,13 @@ def _buttons(state: EditorState, question: Question) -> None:
     spacing = imgui.get_style().item_spacing.x
     room = imgui.get_content_region_avail().x - sum(widths) - spacing * (len(widths) - 1)
     imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(0.0, room))
+    by_enter = answered_by_enter(state)
     for index, (label, _) in enumerate(question.choices):
         if index:
             imgui.same_line()
-        else:
-            imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*theme.ACCENT))
+        is_lit = not index and question is by_enter
+        imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*(theme.ACCENT if is_lit else theme.TEXT)))
         clicked = imgui.button(label, imgui.ImVec2(widths[index], 0.0))
-        if not index:
-            imgui.pop_style_color()
+        imgui.pop_style_color()
         if clicked:
             state.asking.answer(question, index)
