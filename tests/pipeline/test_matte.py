@@ -11,7 +11,7 @@ from relight_core.face.crop import Crop
 from relight_core.imaging.photo import Photo
 from relight_core.pipeline.per_photo.exposing import exposure_about_faces
 from relight_core.pipeline.per_photo.matte import draft_matte
-from relight_core.pipeline.per_photo.mixed_pixels import own_colour
+from relight_core.pipeline.per_photo.mixed_pixels import MixedPixels
 from relight_core.pipeline.per_photo.person import canvas_of, whole_person
 
 
@@ -92,7 +92,7 @@ def test_the_own_colour_of_a_mixed_pixel_is_the_persons():
     share = np.linspace(0, 1, 11, dtype=np.float32)[None].repeat(3, 0)
     mixed = share[..., None] * person + (1 - share[..., None]) * wall
     sides = (np.broadcast_to(side, mixed.shape) for side in (person, wall))
-    own = own_colour(mixed, share, *sides)
+    own = MixedPixels.of(mixed, share, *sides).own_colour(mixed, share)
     np.testing.assert_allclose(own[:, 1:], np.broadcast_to(person, own[:, 1:].shape), atol=1e-5)
     np.testing.assert_array_equal(own[:, 0], mixed[:, 0])
 
@@ -101,7 +101,7 @@ def test_a_pixel_darker_than_both_sides_leaves_no_pure_colour_to_either():
     share = np.linspace(0.1, 0.9, 9, dtype=np.float32)[None]
     hair, skin, wall = np.float32([[0.03, 0.02, 0.016], [0.3, 0.12, 0.07], [0.3, 0.25, 0.2]])
     pixels, *sides = (np.broadcast_to(one, (1, 9, 3)) for one in (hair, skin, wall))
-    own = own_colour(pixels, share, *sides)
+    own = MixedPixels.of(pixels, share, *sides).own_colour(pixels, share)
     for part in (own, pixels - share[..., None] * own):
         assert (part.min(-1) > 0.1 * part.max(-1)).all()
 
@@ -111,7 +111,7 @@ def test_a_strand_of_which_the_matte_has_too_little_before_a_bright_sky_is_neith
     share = np.linspace(0.1, 0.9, 9, dtype=np.float32)[None]
     mean, sky = np.float32([0.03, 0.02, 0.016]), np.float32([0.6, 0.8, 0.9])
     pixels, *sides = (np.broadcast_to(np.float32(one), (1, 9, 3)) for one in (hair, mean, sky))
-    own = own_colour(pixels, share, *sides)
+    own = MixedPixels.of(pixels, share, *sides).own_colour(pixels, share)
     assert (share[..., None] * own <= pixels + 1e-7).all()
     assert (own >= 0.5 * np.minimum(mean, pixels) - 1e-7).all()
     assert (own < 2.1 * mean).all()
@@ -119,7 +119,9 @@ def test_a_strand_of_which_the_matte_has_too_little_before_a_bright_sky_is_neith
 
 def test_a_hard_matte_keeps_the_photo():
     linear, truth = portrait()
-    assert own_colour(linear, truth, linear, linear) is linear
+    hard = MixedPixels.of(linear, truth, linear, linear)
+    np.testing.assert_array_equal(hard.own_colour(linear, truth), linear)
+    np.testing.assert_array_equal(hard.refined(truth, np.ones_like(truth)), truth)
 
 
 def test_a_large_photo_gets_sharp_edges_from_small_maps():

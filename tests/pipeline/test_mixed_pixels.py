@@ -8,7 +8,7 @@ import pytest
 from drawn_portrait import CROP, make_matte, portrait
 
 from relight_core.imaging.photo import Photo
-from relight_core.pipeline.per_photo.mixed_pixels import own_colour, refined_share
+from relight_core.pipeline.per_photo.mixed_pixels import MixedPixels
 from relight_core.pipeline.per_photo.person import canvas_of, whole_person
 
 SHIRT, LAWN = np.float32([0.65, 0.7, 0.85]), np.float32([0.08, 0.1, 0.04])
@@ -18,7 +18,7 @@ def refined(pixels, shares, person=SHIRT, behind=LAWN, crisp=1.0):
     """The shares (n,) of a row of pixels (n, 3)."""
     row, share = np.float32(pixels)[None], np.float32(shares)[None]
     sides = (np.broadcast_to(np.float32(side), row.shape) for side in (person, behind))
-    return refined_share(row, share, *sides, np.full_like(share, crisp))[0]
+    return MixedPixels.of(row, share, *sides).refined(share, np.full_like(share, crisp))[0]
 
 
 def mixed(shares, person=SHIRT, behind=LAWN):
@@ -29,8 +29,7 @@ def mixed(shares, person=SHIRT, behind=LAWN):
 def test_lawn_that_was_taken_for_a_ninth_of_shirt_is_lawn_and_keeps_its_light_where_the_shirt_loses_it():
     pixel, share = LAWN[None], refined([LAWN], [0.11])
     assert share[0] < 0.02
-    whole = (np.float32(one)[None] for one in (pixel, share))
-    colour = own_colour(*whole, SHIRT[None, None], LAWN[None, None])[0]
+    colour = MixedPixels.of(pixel, share, SHIRT[None], LAWN[None]).own_colour(pixel, share)
     darkened = pixel - 0.9 * share[:, None] * colour
     assert (darkened > 0.8 * LAWN).all()
 

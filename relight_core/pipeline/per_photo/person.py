@@ -14,7 +14,7 @@ from relight_core.imaging.photo_frame import Inside
 from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.pipeline.per_photo.exposing import exposed
 from relight_core.pipeline.per_photo.matte import Matte, guide_of
-from relight_core.pipeline.per_photo.mixed_pixels import own_colour, refined_share
+from relight_core.pipeline.per_photo.mixed_pixels import MixedPixels
 
 _LEAST_ALPHA = 1e-12
 
@@ -95,10 +95,11 @@ def person_in(canvas: Canvas, matte: Matte, band: Band) -> Person:
             share += ~within * spread_window(matte.beyond, everywhere, band)
     if not ((share > 0) & (share < 1)).any():
         return Person(share, linear)
-    sides = [spread_window(side, everywhere, band) for side in (matte.person, matte.behind)]
+    sides = (spread_window(side, everywhere, band) for side in (matte.person, matte.behind))
+    mixed = MixedPixels.of(linear, share, *sides)
     if matte.crisp is not None:
-        share = refined_share(linear, share, *sides, spread_window(matte.crisp, everywhere, band))
-    return Person(share, own_colour(linear, share, *sides))
+        share = mixed.refined(share, spread_window(matte.crisp, everywhere, band))
+    return Person(share, mixed.own_colour(linear, share))
 
 
 def _within(ends: Inside, band: Band) -> np.ndarray:
