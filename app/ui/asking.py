@@ -38,7 +38,8 @@ class FileRequest:
         suffixes: of the files to list, each with its dot; empty for all.
         then: called with the chosen paths, at least one; not called if the user cancels.
         text: what is typed in relight's own dialog.
-        folder: the one that a path begins in that is not typed in full: where the dialog began, or that was clicked.
+        folder: the one that a path begins in that is not typed in full: where the dialog began, or that was clicked;
+            empty for the current one.
         chosen: text that was filled in by clicking there, or the suggested name of a file to save.
         chosen_among: the text that the list was made for at that moment.
         row: selected row of the list there; 0 is the folder above, -1 the input line.
@@ -59,7 +60,8 @@ class FileRequest:
         if self.kind not in _DIALOGS:
             raise ValueError(f"no dialog of kind {self.kind!r}")
         self.text = self.text or str(self.start)
-        self.folder = self.folder or os.path.dirname(self.text)
+        if os.path.isabs(self.text):
+            self.folder = os.path.dirname(self.text)
         if self.kind == "save":
             # Until a name is typed the whole folder is listed, not only files that begin like the suggested name.
             self.chosen, self.chosen_among = self.text, os.path.join(os.path.dirname(self.text), "")

@@ -150,7 +150,7 @@ def _move(request: FileRequest, count: int) -> bool:
 def _listed(request: FileRequest) -> str:
     """The typed path that the list is made for: a chosen file stays among its neighbours, for the second click."""
     if request.text == request.chosen:
-        return _in_full(request, request.chosen_among)
+        return request.chosen_among
     path = _in_full(request, request.text)
     return os.path.join(os.path.dirname(path), "") if os.path.isfile(path) else path
 

@@ -149,7 +149,7 @@ def has_lamps(state: EditorState) -> bool:
 
 def as_it_came(state: EditorState, box: SoftBox) -> SoftBox:
     """A lamp of the light itself as it is in the light; for a soft box that was added, a new one."""
-    lamps = state.snapshot.light.lamps if box.name and has_lamps(state) else ()
+    lamps = state.snapshot.light.lamps if has_lamps(state) else ()
     return next((lamp for lamp in lamps if lamp.name == box.name), SoftBox())
 
 

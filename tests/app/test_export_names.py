@@ -116,6 +116,16 @@ def test_a_place_typed_by_way_of_the_folder_above_is_in_sight_without_the_detour
         assert (state.export.form, state.export_path) == (".tif", shown)
 
 
+def test_beside_a_photo_that_was_opened_by_a_detour_a_name_alone_stays_one(tmp_path):
+    state = EditorState()
+    (tmp_path / "sub").mkdir()
+    state.open_photo(tmp_path / "sub" / ".." / "me.jpg")
+    open_wish(state)
+    state.export_path = "x.png"
+    choose_form(state, ".jpg")
+    assert state.export_path == "x.jpg"
+
+
 @pytest.mark.parametrize("typed", ["~/", "../", "best/", "~b"])
 def test_a_folder_or_a_name_that_was_typed_stays_in_sight(state, typed):
     state.export_path = typed

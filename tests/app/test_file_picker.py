@@ -138,6 +138,26 @@ def test_a_path_that_is_not_typed_in_full_begins_where_the_dialog_did(opened, fo
     assert chosen == [folder / "a.png"]
 
 
+def test_above_a_name_alone_lies_the_folder_above_the_dialog_s(opened, folder, monkeypatch, tmp_path_factory):
+    monkeypatch.chdir(tmp_path_factory.mktemp("elsewhere"))
+    ask(opened, f"{folder}{os.sep}")
+    opened.key(glfw.KEY_A, ctrl=True)
+    opened.type("b")
+    assert opened.window.state.picking.text == "b"
+    opened.hold(glfw.KEY_UP, glfw.MOD_ALT)
+    opened.release(glfw.KEY_UP)
+    assert opened.window.state.picking.text == f"{folder.parent}{os.sep}"
+
+
+def test_a_dialog_that_begins_at_no_full_path_begins_in_the_current_folder(opened, folder, monkeypatch):
+    monkeypatch.chdir(folder.parent)
+    chosen = []
+    opened.window.state.picking = FileRequest("save", "A film", Path("shoot/turn.mp4"), chosen.extend, (".mp4",))
+    opened.frames(3)
+    opened.key(glfw.KEY_ENTER)
+    assert chosen == [folder / "turn.mp4"]
+
+
 def test_nothing_typed_lists_the_folder_that_was_gone_into(opened, folder, monkeypatch):
     (folder / "inside").mkdir()
     (folder / "inside" / "a.png").touch()

@@ -12,7 +12,7 @@ from app.engine.snapshot import OpenLight, OpenPhoto, Picture, Snapshot
 from app.engine.sources import LightSource, PhotoSource
 from app.ui.state import EditorState
 from app.ui.viewport.light_ball import words
-from app.ui.viewport.panes import arrange_panes
+from app.ui.viewport.panes import arrange_panes, can_compare
 from app.ui.viewport.probe import Reading, reading, readings
 from app.ui.viewport.probe_card import hint
 from app.ui.viewport.view import View, photo_point
@@ -126,6 +126,15 @@ def test_panes_cover_the_viewport_and_show_the_photo_first(snapshot, compare, sh
         assert arranged.main.name == ("result" if shown == "photo" else shown)
         assert 0 <= edges[1][0] - edges[0][1] <= 4
     assert (arranged.wipe_x is not None) == (compare == "wipe" and not alone)
+
+
+@pytest.mark.parametrize("shown", ["result", "photo", "source_light"])
+@pytest.mark.parametrize("is_there", [True, False])
+def test_the_photo_can_be_compared_where_it_is_seen_beside_what_is_shown(snapshot, shown, is_there):
+    channels = snapshot.picture.channels if is_there else {}
+    state = state_of(replace(snapshot, picture=replace(snapshot.picture, channels=channels)), compare="wipe")
+    state.shown = shown
+    assert can_compare(state) is (len(arrange_panes(state, (800, 500)).panes) == 2)
 
 
 @pytest.mark.parametrize("shown", ["result", "albedo"])

@@ -198,3 +198,15 @@ def test_a_lamp_of_the_light_itself_is_unchanged_as_it_came_and_a_double_click_b
     for name in lamp:
         opened.double_click(places[name])
     assert state.light_edit.boxes[0] == came
+
+
+def test_a_double_click_brings_back_the_hole_that_a_ring_light_came_with(opened, tracks):
+    state = opened.window.state
+    opened.light("ring")
+    opened.key(glfw.KEY_M)
+    (came,) = state.light_edit.boxes
+    assert came.hole > 0.3
+    light_edits.put_box(state, 0, replace(came, hole=0.1))
+    opened.settle()
+    opened.double_click(tracks["Hole"])
+    assert state.light_edit.boxes == (came,)
