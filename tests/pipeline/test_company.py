@@ -87,3 +87,13 @@ def test_under_their_own_light_all_of_them_are_the_photo(weights, face_boxes):
         part = np.s_[int(box.y0) + 8 : int(box.y1) - 8, int(box.x0) + 8 : int(box.x1) - 8]
         difference = np.abs(apply_view(relit.image[part]) - apply_view(photo.linear[part]))
         assert difference.mean() < 0.03
+
+
+@pytest.mark.usefixtures("small_and_seeing_faces")
+def test_a_box_that_is_drawn_twice_counts_once_in_the_light_they_share(weights):
+    relighter, photo, lights = Relighter(weights), some_photo(3), []
+    for face_boxes in ((LEFT, RIGHT), (LEFT, RIGHT, LEFT)):
+        relighter.set_portrait(photo, boxes=face_boxes)
+        own = relighter.estimated_light("live")
+        lights.append(own.level * own.shape)
+    np.testing.assert_allclose(*lights, rtol=1e-4)

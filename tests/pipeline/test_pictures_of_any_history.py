@@ -65,3 +65,11 @@ def test_nothing_of_the_same_light_at_another_level_is_seen(relighter):
     afresh = all_of(relighter.relight(sun(2.0), EDIT))
     assert differ(first, afresh)
     assert not differ(second, afresh)
+
+
+def test_no_light_of_the_photo_before_serves_in_place_of_one_that_is_nearly_the_same(relighter):
+    tolerant = replace(EDIT, tolerance=2 / 255)
+    relighter.relight(sun(), tolerant)
+    relighter.set_portrait(some_photo(1))
+    near = Environment(sun().shape * np.float32(1.00001), 1.0, "near")
+    assert not any(effect.bound for effect in relighter.relight(near, tolerant).plan)

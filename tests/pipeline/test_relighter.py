@@ -62,6 +62,14 @@ def test_no_level_leaves_the_networks_range(relighter, level):
     assert all(np.isfinite(image).all() for image in (relit.image, beyond.image, beyond.channels["composition"]))
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_light_brighter_than_sums_over_pictures_can_hold_counts_as_the_brightest(relighter):
+    brightest, beyond = (relighter.relight(some_light(level=level), EDIT) for level in (1e20, 1e38))
+    for name in ("composition", "specular", "shadow", "target_light"):
+        np.testing.assert_array_equal(beyond.channels[name], brightest.channels[name])
+    np.testing.assert_array_equal(beyond.image, brightest.image)
+
+
 def test_black_light_makes_a_black_person_without_asking_the_network(relighter):
     black = Environment.from_radiance(np.zeros((16, 32, 3), np.float32))
     relit = relighter.relight(black, EDIT)
