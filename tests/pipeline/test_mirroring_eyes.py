@@ -100,6 +100,17 @@ def test_a_grey_face_s_eyes_have_none_beside_a_face_of_colours(weights, small_an
     assert printed < 1e-4
 
 
+def test_someone_s_eyes_mirror_though_the_largest_face_has_its_own_shut(weights, small_and_seeing_faces, monkeypatch):
+    iris = Iris(194.0, 40.0, 6.0)
+    photo = draw_eyes([(iris.x, iris.y, iris.radius)], (96, 240)) * np.float32((1.0, 0.8, 0.7))
+    monkeypatch.setattr(face_taken_apart, "find_irises", lambda *seen: (iris,) if seen[-1].centre_x > 120 else ())
+    relighter = Relighter(weights)
+    relighter.set_portrait(Photo(photo), boxes=[FaceBox(20, 10, 68, 80), FaceBox(176, 16, 212, 72)])
+    changed = np.abs(change(relighter)).max(-1) > 1e-6
+    assert changed[32:48, 186:202].any()
+    assert not changed[:, :180].any()
+
+
 def test_under_the_photos_own_light_its_own_stay(portrait):
     relighter = portrait()
     own = relighter.estimated_light("live")
