@@ -4,11 +4,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
+import torch
 from tiny_relighter import EDIT, some_photo
 
 from relight_core.face.find import FaceBox
 from relight_core.imaging.view_transform import apply_view
 from relight_core.pipeline.company import Company
+from relight_core.pipeline.quality import tier_of
 from relight_core.pipeline.relighter import Relighter
 
 TIER, PLAN = None, None
@@ -97,3 +99,16 @@ def test_a_box_that_is_drawn_twice_counts_once_in_the_light_they_share(weights):
         own = relighter.estimated_light("live")
         lights.append(own.level * own.shape)
     np.testing.assert_allclose(*lights, rtol=1e-4)
+
+
+@pytest.mark.usefixtures("small_and_seeing_faces")
+def test_beside_others_a_face_s_albedo_is_scaled_in_its_nearer_view_too(weights, monkeypatch):
+    relighter, tier, albedos = Relighter(weights), tier_of("live"), []
+    relighter.set_portrait(some_photo(3), boxes=[FaceBox(40, 30, 62, 54), RIGHT])
+    face = relighter._faces[0]
+    for gain in (1.0, 0.5):
+        monkeypatch.setattr(Company, "albedo_gain", lambda *asked, gain=gain: gain)
+        relighter.forget("albedo")
+        albedos.append([view.flattened(view.prepare(tier)).surface.albedo for view in (face, face.nearer)])
+    for whole, half in zip(*albedos, strict=True):
+        torch.testing.assert_close(half, 0.5 * whole)
