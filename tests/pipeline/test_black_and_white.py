@@ -13,6 +13,7 @@ from relight_core.imaging.photo import Photo
 from relight_core.imaging.tone import tone_of
 from relight_core.lighting.environment import Environment
 from relight_core.pipeline.face_taken_apart import Workshop
+from relight_core.pipeline.per_photo.brush import BrushStroke
 from relight_core.pipeline.per_photo.portrait import frame
 from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.relighter import Relighter
@@ -98,6 +99,14 @@ class TestRelighting:
         assert of_greys(relit.channels["composition"])
         assert of_greys(relighter.estimated_light("live").shape)
 
+    def test_nor_is_there_colour_behind_the_person(self, weights):
+        relighter = Relighter(weights)
+        relighter.set_portrait(black_and_white(), strokes=[BrushStroke(((104.0, 48.0),), 7.0, False)])
+        relit = relighter.relight(some_light(), replace(EDIT, background="light"))
+        assert of_greys(relit.image)
+        kept = relighter.relight(some_light(), EDIT)
+        assert np.abs(relit.image - kept.image)[46:50, 102:106].min() > 1e-3
+
     def test_a_toned_photo_keeps_its_tone(self, weights):
         sepia = black_and_white().linear * np.float32([1.1, 1.0, 0.7])
         relighter = Relighter(weights)
@@ -115,6 +124,19 @@ class TestRelighting:
         relit = relighter.relight(some_light(), EDIT).image
         own = Photo(np.ascontiguousarray(split)).tone_at(1.0)
         brightness = luminance(relit)
+        lit = brightness > 0.02
+        off = np.abs((relit / brightness[..., None])[lit] - own.at(brightness[lit]))
+        assert np.percentile(off, 99) < 0.05
+
+    def test_a_dark_print_takes_the_tone_of_what_it_is_brightened_to(self, weights):
+        grey = black_and_white().linear[..., :1]
+        split = grey * (1 + np.float32([0.2, 0, -0.4]) * 4 * grey * (1 - grey))
+        dark = Photo(np.ascontiguousarray(split / 64), bits=32)
+        relighter = Relighter(weights)
+        relighter.set_portrait(dark)
+        relit = relighter.relight(some_light(level=4.0), EDIT).image[32:64, 40:56]
+        brightness = luminance(relit)
+        own = dark.tone_at(relighter._faces[0].portrait.exposure)
         lit = brightness > 0.02
         off = np.abs((relit / brightness[..., None])[lit] - own.at(brightness[lit]))
         assert np.percentile(off, 99) < 0.05

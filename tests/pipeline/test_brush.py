@@ -1,6 +1,6 @@
 """What is painted by hand: where it lies, what it changes, and what it leaves alone."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import cv2
 import numpy as np
@@ -231,6 +231,32 @@ def test_the_outline_follows_the_strokes(relighter):
     np.testing.assert_allclose([around.min(0), around.max(0)], [(0, 0), (112, 96)], atol=1.5)
     radii = [np.hypot(*(line - (56.0, 48.0)).T) for line in lines(everything, hole)]
     assert min(radius.max() for radius in radii) == pytest.approx(20.0, abs=3.0)
+
+
+def drawn_from(relighter, longest_side_px=None):
+    """All maps that a shader draws a picture from."""
+    recipe = relighter.relight(some_light(), EDIT, longest_side_px, for_shader=True).recipe
+    maps = {one.name: getattr(part, one.name) for part in (recipe, recipe.layers) for one in fields(part)}
+    return {name: image for name, image in maps.items() if isinstance(image, np.ndarray)}
+
+
+def same(one, other):
+    return one.keys() == other.keys() and all(np.array_equal(image, other[name]) for name, image in one.items())
+
+
+def test_what_a_shader_draws_follows_strokes_and_size_as_if_nothing_had_been_shown_before(relighter):
+    photo, faces = some_photo(), [FaceBox(24, 20, 72, 76)]
+    strokes = [BrushStroke(((50.0, 50.0),), 12.0, False), BrushStroke(((106.0, 90.0),), 12.0, True)]
+    relighter.set_portrait(photo, None, faces)
+    before = drawn_from(relighter)
+    relighter.set_portrait(photo, None, faces, strokes)
+    painted_on, smaller = drawn_from(relighter), drawn_from(relighter, 56)
+    relighter.set_portrait(replace(photo), None, faces, strokes)
+    afresh_smaller = drawn_from(relighter, 56)
+    relighter.set_portrait(replace(photo), None, faces, strokes)
+    assert not same(before, painted_on)
+    assert same(drawn_from(relighter), painted_on)
+    assert same(afresh_smaller, smaller)
 
 
 @pytest.mark.parametrize("background", ["keep", "match", "light", "transparent", "#203040"])
