@@ -120,6 +120,13 @@ def test_a_light_can_be_borrowed_before_a_photo_is_opened(engine, friend):
     assert answered(engine, Request(None, friend, Edit())).light.source is friend
 
 
+def test_what_is_changed_about_own_light_before_there_is_a_photo_changes_none_in_its_place(engine):
+    answered(engine, Request(None, SPLIT, Edit()))
+    waiting = answered(engine, Request(None, LightSource("own"), Edit(), LightEdit(metered=True)))
+    assert waiting.light.source is SPLIT
+    assert waiting.light.edit == LightEdit()
+
+
 def test_the_portrait_that_comes_back_after_a_loan_has_its_faces_and_its_outline(engine, relighter, friend):
     strokes = (BrushStroke(((3.0, 4.0),), 2.0, True),)
     source = PhotoSource(a_photo(), 1, (BOX, OTHER), strokes)
