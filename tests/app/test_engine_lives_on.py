@@ -43,7 +43,7 @@ def test_a_portrait_that_does_not_come_back_after_a_borrowed_light_is_no_end(eng
     write_image(lender, np.full((24, 32, 3), 0.8, np.float32))
     answered(engine, Request(first := grey_source(0.2), SPLIT, Edit()))
     lost = answered(engine, Request(first, LightSource("portrait", str(lender)), Edit()))
-    assert lost.opened is None
+    assert (lost.opened, lost.picture, lost.own_light, lost.faces) == (None, None, None, ())
     assert first in lost.refused
     assert "not enough memory" in lost.message.text
     second = grey_source(0.7)
