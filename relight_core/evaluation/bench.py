@@ -23,7 +23,7 @@ from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.tensor_images import as_image
 from relight_core.imaging.view_of_photo import ViewOfPhoto
 from relight_core.lighting.lamps import Lamp
-from relight_core.lighting.panorama import mean_luminance
+from relight_core.lighting.panorama import normalise_light
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.networks.bundle import NetworkBundle
@@ -112,7 +112,7 @@ class Editor:
         relief, reflector = stages.march(found, self.tier.relief_size), stages.reflector(self.table, found)
         light = explain_source_light(found, reflector, relief)
         # The editor asks for the albedo in a light of mean luminance 1, whatever the photo's exposure.
-        served = light / max(mean_luminance(light[0].cpu().numpy()), 1e-12)
+        served = torch.from_numpy(normalise_light(light[0].cpu().numpy()))[None].to(self.device)
         surface = flatten_albedo(found, relief, served, stages.reflect(reflector, served))
         return DelitPhoto(photo, small, surface, light, reflector, relief)
 

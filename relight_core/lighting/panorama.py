@@ -73,6 +73,11 @@ def mean_luminance(radiance: np.ndarray) -> float:
     return float(row_shares(len(radiance)) @ (radiance.mean(axis=1, dtype=np.float64) @ REC709_LUMINANCE))
 
 
+def normalise_light(light: np.ndarray) -> np.ndarray:
+    """A light (H, W, 3) divided by its mean luminance over the sphere, as of `Environment`, float32; black stays so."""
+    return (light / max(mean_luminance(light), 1e-12)).astype(np.float32)
+
+
 def mean_radiance(radiance: np.ndarray) -> np.ndarray:
     """Mean colour (3,) of an (H, W, 3) panorama over the sphere, float64."""
     return row_shares(len(radiance)) @ radiance.mean(axis=1, dtype=np.float64)

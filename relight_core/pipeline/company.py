@@ -14,7 +14,7 @@ from typing import Protocol
 
 import numpy as np
 
-from relight_core.lighting.panorama import mean_luminance
+from relight_core.lighting.panorama import normalise_light
 from relight_core.pipeline.plan import Plan
 from relight_core.pipeline.quality import Tier
 
@@ -50,8 +50,7 @@ class Company:
 
     def light(self, tier: Tier) -> np.ndarray:
         """The light (16, 32, 3) that all of them stand in, as the camera sees it, of mean luminance 1."""
-        mean = np.mean([face.estimate(tier) for face in self.faces], axis=0)
-        return mean / np.float32(max(mean_luminance(mean), 1e-12))
+        return normalise_light(np.mean([face.estimate(tier) for face in self.faces], axis=0))
 
     def albedo_gain(self, face: Member, tier: Tier) -> float:
         """What brings one face's albedo to the level of the others', above 1/2 and below 2."""

@@ -9,7 +9,7 @@ import torch
 
 from relight_core.imaging.half_floats import within_halves
 from relight_core.imaging.tensor_images import as_tensor, resized
-from relight_core.lighting.panorama import mean_luminance
+from relight_core.lighting.panorama import normalise_light
 from relight_core.lighting.roll import roll_light
 from relight_core.pipeline import stages
 from relight_core.pipeline.company import Company
@@ -100,8 +100,7 @@ class FaceInPhoto(FaceTakenApart):
 
     def _as_the_camera_sees(self, light: torch.Tensor) -> np.ndarray:
         """A light (1, 16, 32, 3) as this view sees it, (16, 32, 3) and of mean luminance 1."""
-        turned = roll_light(light[0].cpu().numpy(), -self.portrait.view.roll_deg)
-        return turned / np.float32(max(mean_luminance(turned), 1e-12))
+        return normalise_light(roll_light(light[0].cpu().numpy(), -self.portrait.view.roll_deg))
 
     def own_light(self, tier: Tier) -> np.ndarray:
         """The source light (16, 32, 3) as the photo's camera sees it, so bright that model and photo agree."""

@@ -172,7 +172,7 @@ class FaceRelighter(FaceInPhoto):
         """How the relit view differs from the photo's, at the sliders' gains and the light's level."""
         make_fit = partial(self._fit, ready, lit, plan)
         fit = self.cache.run("detail_fit", plan.keys["detail_fit"], make_fit, "new light", keep=_MOVED_AND_AT_REST)
-        gains = edit if plan.runs("sliders") else Edit()
+        gains = plan.gains(edit)
         moved, shadow = None, gains.shadow * plan.runs("shadow")
         if plan.runs("sliders"):
             specular = specular_gain(gains.specular * plan.runs("specular"), gains.specular_tint, self._shop.device)

@@ -113,6 +113,10 @@ class Plan:
         """Whether an effect is part of the picture."""
         return self.effect(name).state != "skipped"
 
+    def gains(self, edit: Edit) -> Edit:
+        """An edit with the sliders that act: those at rest where they are left out."""
+        return edit if self.runs("sliders") else Edit()
+
 
 @dataclass(frozen=True)
 class _Verdict:

@@ -278,6 +278,6 @@ class WholePhoto:
 
 def _gloss(plan: Plan, edit: Edit, level: float) -> np.ndarray:
     """(1,) or (3,) by how much brighter eyes mirror a light of this level than one of mean luminance 1."""
-    gains = edit if plan.runs("sliders") else Edit()
+    gains = plan.gains(edit)
     gain = specular_gain(gains.specular * plan.runs("specular"), gains.specular_tint)
     return np.float32(level) * np.asarray(gain, np.float32).reshape(-1)

@@ -9,13 +9,13 @@ from relight_core.dataset.lighting.lights import (
     LightLibrary,
     backlit,
     load_lights,
-    normalise_light,
     sample_light,
     sample_panorama,
     sample_rig,
 )
 from relight_core.dataset.recipe import data_mark, load_split, shard_path
 from relight_core.errors import InputError
+from relight_core.lighting.panorama import normalise_light
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 

@@ -25,6 +25,8 @@ class _Button:
     """One word of the bar.
 
     Attributes:
+        help: a sentence on it.
+        key: as it is written on the keyboard.
         act: what a click does.
         is_on: it looks pressed.
         held: what is done in every frame in which the button is down.
@@ -32,17 +34,19 @@ class _Button:
     """
 
     label: str
-    tooltip: str
+    help: str
+    key: str
     act: Callable[[EditorState], None] = lambda state: None
     is_on: Callable[[EditorState], bool] = lambda state: False
     held: Callable[[EditorState], None] | None = None
     available: Callable[[EditorState], bool] = lambda state: True
 
 
-def _comparing(label: str, tooltip: str, value: str) -> _Button:
+def _comparing(label: str, help: str, key: str, value: str) -> _Button:
     return _Button(
         label,
-        tooltip,
+        help,
+        key,
         lambda state: state.look.choose("compare", value),
         lambda state: state.look.compare == value,
         available=can_compare,
@@ -61,22 +65,23 @@ def _full_size(state: EditorState) -> None:
 
 
 _FILES = (
-    _Button("Open…", "A portrait, a panorama or a session.  Ctrl + O", lambda state: state.asking.wish("open_file")),
+    _Button("Open…", "A portrait, a panorama or a session.", "Ctrl + O", lambda state: state.asking.wish("open_file")),
     _Button(
         "Save",
-        "The work as a session beside the photo, to go on later.  Ctrl + S",
+        "The work as a session beside the photo, to go on later.",
+        "Ctrl + S",
         lambda state: state.asking.wish("save_session"),
         available=has_photo,
     ),
 )
 _COMPARING = (
-    _Button("Before", "Hold to see the photo as it was.  Space", held=_see_the_photo, available=has_picture),
-    _comparing("Wipe", "A line to drag: the photo left of it, the picture right of it.  W", "wipe"),
-    _comparing("Side by side", "The photo beside the picture.  Y", "side"),
+    _Button("Before", "Hold to see the photo as it was.", "Space", held=_see_the_photo, available=has_picture),
+    _comparing("Wipe", "A line to drag: the photo left of it, the picture right of it.", "W", "wipe"),
+    _comparing("Side by side", "The photo beside the picture.", "Y", "side"),
 )
 _ZOOM = (
-    _Button("Fit", "The whole picture.  F", fit, lambda state: state.view.fit, available=has_photo),
-    _Button("100 %", "One photo pixel on one screen pixel.  Z", _full_size, available=has_photo),
+    _Button("Fit", "The whole picture.", "F", fit, lambda state: state.view.fit, available=has_photo),
+    _Button("100 %", "One photo pixel on one screen pixel.", "Z", _full_size, available=has_photo),
 )
 _CLICKED = tuple(button for button in (*_FILES, *_COMPARING, *_ZOOM) if button.held is None)
 """Those that are as good in a menu as in the bar."""
@@ -126,7 +131,7 @@ def _group(state: EditorState, buttons: tuple[_Button, ...], x: float, y: float)
         if button.held is not None and imgui.is_item_active():
             button.held(state)
         imgui.end_disabled()
-        imgui.set_item_tooltip(button.tooltip)
+        imgui.set_item_tooltip(f"{button.help}  {button.key}")
         x += _width(button.label) + _APART_EM * imgui.get_font_size()
 
 
@@ -168,10 +173,9 @@ def _menu(state: EditorState, x: float, y: float, width: float, left_out: list[_
 
 def _left_out(state: EditorState, buttons: list[_Button]) -> None:
     for button in buttons:
-        words, _, key = button.tooltip.rpartition("  ")
-        if imgui.menu_item(button.label, key, button.is_on(state), button.available(state))[0]:
+        if imgui.menu_item(button.label, button.key, button.is_on(state), button.available(state))[0]:
             button.act(state)
-        imgui.set_item_tooltip(words)
+        imgui.set_item_tooltip(button.help)
     if buttons:
         imgui.separator()
 

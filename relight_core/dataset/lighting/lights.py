@@ -11,7 +11,7 @@ from relight_core.dataset.archive import read_arrays
 from relight_core.dataset.lighting.light_folder import read_light_folder
 from relight_core.errors import InputError
 from relight_core.lighting.environment import NETWORK_HEIGHT
-from relight_core.lighting.panorama import mean_luminance, rotate, shrink
+from relight_core.lighting.panorama import normalise_light, rotate, shrink
 from relight_core.lighting.sphere import directions, off_axis
 
 _SPLIT_SEED = 20
@@ -91,11 +91,6 @@ def _read(path: Path) -> dict[str, np.ndarray]:
     if (arrays["group"] != arrays["group"]).any():
         raise InputError(f"{path}: not a light library (a place in group is no number); {mend}")
     return arrays
-
-
-def normalise_light(light: np.ndarray) -> np.ndarray:
-    """Divide by the mean luminance over the sphere, as `Environment` does; a black light stays black."""
-    return (light / max(mean_luminance(light), 1e-12)).astype(np.float32)
 
 
 def sample_light(library: LightLibrary, rng: np.random.Generator) -> np.ndarray:
