@@ -80,6 +80,24 @@ def test_any_exposure_gives_shares_between_none_and_all(factor):
         np.testing.assert_allclose(found, refined(mixed(share[::-1]), share), atol=1e-3)
 
 
+@pytest.mark.parametrize("share", [0.8, 0.9, 0.97])
+def test_a_rim_of_another_colour_darkens_with_the_ear_it_belongs_to(share):
+    skin, rim, lawn = np.float32([[0.5, 0.3, 0.25]]), np.float32([[0.6, 0.6, 0.7]]), LAWN[None]
+    alpha = np.float32([share])
+    own = MixedPixels.of(rim, alpha, skin, lawn).own_colour(rim, alpha)
+    # With none of its light left, the ear leaves the lawn's share of lawn, and hardly any of its own rim.
+    left = rim - share * own
+    np.testing.assert_allclose(left, (1 - share) * lawn, atol=0.08 * (1 - share) + 0.025)
+
+
+def test_sides_that_are_off_are_both_changed_until_their_mix_is_the_pixel():
+    person, behind, alpha = SHIRT[None], LAWN[None], np.float32([0.5])
+    pixel = 0.5 * (person + behind) + np.float32([[0.04, 0.02, 0.03]])
+    own = MixedPixels.of(pixel, alpha, person, behind).own_colour(pixel, alpha)
+    np.testing.assert_allclose(own - person, [[0.04, 0.02, 0.03]], atol=1e-6)
+    np.testing.assert_allclose((pixel - 0.5 * own) / 0.5 - behind, [[0.04, 0.02, 0.03]], atol=1e-6)
+
+
 def before_a_lawn(blur_px, texture=1.0):
     """Somebody in a striped shirt in front of a lawn, linear, the true matte, and the one that is found."""
     truth, rng = portrait()[1], np.random.default_rng(3)

@@ -77,10 +77,10 @@ class MixedPixels:
     def own_colour(self, linear: np.ndarray, share: np.ndarray) -> np.ndarray:
         """The person's own colour where the matte is soft (the foreground of the compositing equation).
 
-        What a mix by the matte leaves of the pixel, times the matte, is added to the person's mean colour. Where a
-        strand in front of a bright sky covers more of a pixel than the matte says, that would remove all of the colour,
-        or all but one channel. So no channel falls below half of the person's mean, as far as the pixel contains that
-        much.
+        Both sides' mean colours are changed as little as possible, by least squares, until their mix is the pixel.
+        Where a strand in front of a bright sky covers more of a pixel than the matte says, that would remove all of the
+        colour, or all but one channel. So no channel falls below half of the person's mean, as far as the pixel
+        contains that much.
 
         Args:
             linear: (h, w, 3), the photo.
@@ -94,6 +94,7 @@ class MixedPixels:
         soft = (alpha > 0) & (alpha < 1)
         remainder = self.seen - alpha * self.person - (1.0 - alpha) * self.behind
         most = np.maximum(self.seen, 0.0) / np.where(soft, alpha, 1)
-        own = np.clip(self.person + alpha * remainder, np.minimum(_LEAST_OWN * self.person, most), most)
+        change = alpha / (alpha**2 + (1.0 - alpha) ** 2) * remainder
+        own = np.clip(self.person + change, np.minimum(_LEAST_OWN * self.person, most), most)
         colour.reshape(-1, 3)[self.place] = np.where(soft, own, self.seen).T
         return colour
