@@ -21,6 +21,7 @@ from relight_core.imaging.tensor_logs import exact_logs
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
 from relight_core.pipeline.per_photo.cropped_hair import with_cropped_hair
+from relight_core.pipeline.per_photo.face_covering import find_face_covering
 from relight_core.pipeline.per_photo.foreign_shadow import find_foreign_shadow, without_shadow
 from relight_core.pipeline.per_photo.hair_on_scalp import with_hair_on_scalp
 from relight_core.pipeline.per_photo.white_hair import with_white_hair
@@ -42,21 +43,25 @@ def take_apart(bundle: NetworkBundle, photo_view: np.ndarray, tier: Tier, device
     """De-light a view (S, S, 3), linear, at a tier of quality.
 
     As the tier says, shadows from outside are removed first, and skin gets a second look. Hair that the parsing takes
-    for scalp is corrected before that.
+    for scalp is corrected before that. A mask over the mouth has the colour of skin in the meantime.
     """
     seen = resize_area(photo_view, (tier.delight_size, tier.delight_size))
     how = {"mirrored": tier.mirrored, "precision": tier.precision}
     found = stages.delight(bundle, seen, tier.network_size, device, **how)
-    shadow = None
+    covering, shadow, worn = find_face_covering(found), None, seen
+    if covering is not None:
+        seen = covering.taken_off(seen)
+        found = stages.delight(bundle, seen, tier.network_size, device, **how)
     if tier.takes_foreign_shadow_off:
         shadow = find_foreign_shadow(bundle, as_tensor(seen, device), found.parsing, tier.precision)
     if shadow is not None:
-        seen = as_image(without_shadow(as_tensor(seen, device), shadow))
+        seen, worn = (as_image(without_shadow(as_tensor(view, device), shadow)) for view in (seen, worn))
         found = replace(stages.delight(bundle, seen, tier.network_size, device, **how), foreign_shadow=shadow)
     found = with_cropped_hair(with_hair_on_scalp(with_white_hair(found)))
-    if not tier.looks_twice:
-        return found
-    return with_skin_of(found, stages.delight(bundle, evenly_lit(seen, found), tier.network_size, device, **how))
+    if tier.looks_twice:
+        even = evenly_lit(seen, found)
+        found = with_skin_of(found, stages.delight(bundle, even, tier.network_size, device, **how))
+    return found if covering is None else covering.put_on(found, worn)
 
 
 def evenly_lit(photo: np.ndarray, found: stages.Surface) -> np.ndarray:

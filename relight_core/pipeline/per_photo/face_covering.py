@@ -1,0 +1,159 @@
+"""Masks and scarves over mouth and nose, which de-lighting takes for skin in coloured light.
+
+The networks know no masks. They parse one as skin and explain its colour by the light: beside a red mask the rest of
+the face turned green, and in any other light a white one looked like pink skin. But where a mouth should be, no light
+gives all of a face a colour that its forehead doesn't have, and hides the lips as well. Such an area is a covering. It
+is given the skin's colour before the face is de-lit again, and is cloth of its own colour afterwards.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+import torch
+import torch.nn.functional as F
+
+from relight_core.face.parsing import BROWS, EYES, FEWEST_PIXELS, INDEX, MOUTH, SURELY, share_of
+from relight_core.imaging.ramp import ramp
+from relight_core.imaging.resampling import resize_area
+from relight_core.imaging.tensor_images import as_image, as_tensor, resized
+from relight_core.imaging.tensor_logs import exact_logs
+from relight_core.pipeline.stages import Surface, reparsed
+
+_FEWEST_EYE_PIXELS = 4
+"""Pixels of each eye that are needed to know its place."""
+_FOREHEAD, _MOUTH, _AROUND_MOUTH = 0.15, 1.15, 0.3
+"""Distances below the middle of the eyes, in distances between the eyes: plain skin is above the first, a mouth's
+middle is at the second, and all within a third number of that is mouth."""
+_REACHES = (0.05, 2.3), 1.4
+"""How far a covering may extend, in the same unit: from and to below the eyes, and to each side."""
+_OFF = (0.35, 0.45)
+"""Ramp of the difference from the forehead's colour, in log ratios to green, over which skin becomes a covering. In 33
+faces a tenth of the area about the mouth is within 0.25 of it; under drawn masks none is within 0.5."""
+_NEARLY_ALL = 0.9
+"""This share of the area about the mouth must have another colour."""
+_LIPS = 0.17
+"""Largest area of lips and inner mouth, in squares of the distance between the eyes. Faces have 0.2 to 0.6; what the
+parsing guesses under masks is 0.13 at most."""
+_REACH_PX = 2
+"""Gaps in a covering up to twice as wide belong to it; strips of skin in another colour beside it are as narrow."""
+_BESIDE = (*EYES, *BROWS, "hair", "hat", "glasses", "cloth")
+"""Classes of what may lie beside a covering in other colours than skin."""
+
+
+@dataclass(frozen=True, eq=False)
+class FaceCovering:
+    """A mask over mouth and nose.
+
+    Attributes:
+        share: (1, 1, S, S) in [0, 1], where it is.
+        contrast: (3,) logs of its colour over that of bare skin in the same light.
+    """
+
+    share: torch.Tensor
+    contrast: torch.Tensor
+
+    def taken_off(self, view: np.ndarray) -> np.ndarray:
+        """A view (D, D, 3), linear, with the covering in the colour of skin."""
+        return np.clip(view / as_image(self._gain(len(view)).expand(1, 3, -1, -1)), 0, 1)
+
+    def put_on(self, surface: Surface, view: np.ndarray) -> Surface:
+        """The surface of that, with the covering as cloth of its own colour.
+
+        Args:
+            surface: of the view without the covering.
+            view: (D, D, 3) linear, with it.
+        """
+        size = surface.parsing.shape[-1]
+        photo = as_tensor(resize_area(np.clip(view, 0, 1), (size, size)), surface.photo.device)
+        parsing = surface.parsing * (1 - self.share)
+        parsing[:, INDEX["cloth"], None] += self.share
+        return replace(reparsed(surface, parsing), photo=photo, albedo=(surface.albedo * self._gain(size)).clamp(0, 1))
+
+    def _gain(self, size: int) -> torch.Tensor:
+        return torch.exp(resized(self.share, size) * self.contrast[:, None, None])
+
+
+@torch.inference_mode()
+def find_face_covering(surface: Surface) -> FaceCovering | None:
+    """The covering of a face; None if its mouth is seen, or too little of its eyes or forehead is."""
+    placed = _below_the_eyes(surface.parsing)
+    if placed is None:
+        return None
+    across, below, apart_px = placed
+    lips = float(share_of(surface.parsing, MOUTH).sum()) / apart_px**2
+    bare = (surface.parsing[0, INDEX["skin"]] > SURELY) & (below < _FOREHEAD)
+    if lips > _LIPS or int(bare.sum()) < FEWEST_PIXELS:
+        return None
+    seen = _seen_of_person(surface)
+    off = ramp(_off_colour(seen, bare), *_OFF)
+    mouth = across**2 + (below - _MOUTH) ** 2 < _AROUND_MOUTH**2
+    if not bool(mouth.any()) or float((off > 0)[mouth].float().mean()) < _NEARLY_ALL:
+        return None
+    (least, most), aside = _REACHES
+    within = (below > least) & (below < most) & (across.abs() < aside)
+    covered = off * within * (surface.person - share_of(surface.parsing, _BESIDE))[0, 0].clamp_min(0)
+    share = torch.from_numpy(_about(covered.cpu().numpy(), mouth.cpu().numpy())).to(seen)
+    sure = share > SURELY
+    if int(sure.sum()) < FEWEST_PIXELS:
+        return None
+    return FaceCovering(share[None, None], _middle(seen, sure) - _middle(seen, bare))
+
+
+def _seen_of_person(surface: Surface) -> torch.Tensor:
+    """Log colours (3, S, S), each the mean over 3 x 3 pixels: in single pixels, black cloth's colours are noise.
+
+    What is behind the person doesn't count, so that a jaw's edge doesn't have the colour of a wall.
+    """
+
+    def mean(image: torch.Tensor) -> torch.Tensor:
+        return F.avg_pool2d(image, 3, 1, 1, count_include_pad=False)
+
+    return exact_logs(mean(surface.photo * surface.person) / mean(surface.person).clamp_min(1e-3))[0]
+
+
+def _off_colour(seen: torch.Tensor, bare: torch.Tensor) -> torch.Tensor:
+    """How far log colours (3, S, S) are from the median of bare skin (S, S), bool, in log ratios to green, (S, S)."""
+    ratios = seen - seen[1]
+    return (ratios - _middle(ratios, bare)[:, None, None]).abs().amax(0)
+
+
+def _middle(image: torch.Tensor, where: torch.Tensor) -> torch.Tensor:
+    """Medians (3,) of an image (3, S, S) over a part (S, S), bool."""
+    return image[:, where].median(1).values
+
+
+def _below_the_eyes(parsing: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor, float] | None:
+    """Where each pixel is relative to the eyes: across and below their middle, (S, S) each, in distances between them.
+
+    Returns:
+        None if an eye isn't seen; otherwise also that distance in pixels.
+    """
+    size = parsing.shape[-1]
+    rows, columns = torch.meshgrid(*(torch.arange(size, device=parsing.device).float(),) * 2, indexing="ij")
+    places = []
+    for name in EYES:
+        eye = parsing[0, INDEX[name]]
+        if float(eye.sum()) < _FEWEST_EYE_PIXELS:
+            return None
+        places.append(torch.stack([(eye * columns).sum(), (eye * rows).sum()]) / eye.sum())
+    left, right = places
+    apart_px = float((left - right).norm())
+    if apart_px < 1:
+        return None
+    along, middle = (left - right) / apart_px, (left + right) / 2
+    x, y = columns - middle[0], rows - middle[1]
+    return (x * along[0] + y * along[1]) / apart_px, (y * along[0] - x * along[1]) / apart_px, apart_px
+
+
+def _about(share: np.ndarray, mouth: np.ndarray) -> np.ndarray:
+    """The part of a share (S, S) that is connected to the mouth (S, S), bool, without gaps, (S, S)."""
+    window = np.ones((2 * _REACH_PX + 1,) * 2, np.uint8)
+    share = cv2.morphologyEx(cv2.morphologyEx(share, cv2.MORPH_CLOSE, window), cv2.MORPH_OPEN, window)
+    _, patches = cv2.connectedComponents((share > 0).astype(np.uint8))
+    counts = np.bincount(patches[mouth & (patches > 0)], minlength=1)
+    if not counts.any():
+        return np.zeros_like(share)
+    return share * (patches == counts.argmax())

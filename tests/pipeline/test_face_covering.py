@@ -1,0 +1,162 @@
+"""Masks over mouth and nose: found, in the skin's colour while a face is de-lit, and cloth of their own afterwards."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import torch
+
+from relight_core.pipeline import stages
+from relight_core.pipeline.per_photo.face_covering import find_face_covering
+from relight_core.pipeline.per_photo.second_look import take_apart
+from relight_core.pipeline.quality import Tier
+from relight_core.pipeline.stages import Surface
+
+SIZE = 96
+SKIN, LEFT_EYE, RIGHT_EYE, LIPS, HAIR, CLOTH = 1, 4, 5, 8, 10, 13
+TONE, WALL = (0.4, 0.22, 0.15), (0.1, 0.2, 0.6)
+MASKS = {
+    "blue": (0.38, 0.58, 0.75),
+    "red": (0.5, 0.03, 0.04),
+    "green": (0.05, 0.25, 0.1),
+    "white": (0.8, 0.8, 0.8),
+    "black": (0.015, 0.014, 0.016),
+}
+MASK, MOUTH, FOREHEAD = np.s_[44:80, 26:70], np.s_[54:66, 42:54], np.s_[18:28, 32:64]
+
+
+def face(mask=None, lips=0.0, parsed_as=SKIN, shade=1.0):
+    """The surface of a face before a blue wall, as de-lighting sees it, with a mask of a colour or the mouth bare.
+
+    Args:
+        lips: probability of lips about the mouth.
+        parsed_as: the class that the mask is taken for.
+        shade: of the photo from the eyes on downward.
+    """
+    rows, columns = np.mgrid[:SIZE, :SIZE]
+    person = ((columns - 48) / 34) ** 2 + ((rows - 48) / 46) ** 2 < 1
+    label = np.where(person, SKIN, 0)
+    label[person & (rows < 14)] = HAIR
+    label[33:37, 33:39], label[33:37, 57:63] = RIGHT_EYE, LEFT_EYE
+    photo = np.where(person[..., None], TONE, WALL)
+    if mask is not None:
+        photo[MASK], label[MASK] = mask, parsed_as
+    photo[40:] *= shade
+    parsing = np.eye(14)[label].transpose(2, 0, 1)
+    parsing[:, 58:64, 36:60] *= 1 - lips
+    parsing[LIPS, 58:64, 36:60] += lips
+    grain = np.random.default_rng(0).normal(0, 0.02, photo.shape)
+    as_tensor = lambda image: torch.from_numpy(np.ascontiguousarray(image)).float()[None]  # noqa: E731
+    return Surface(
+        photo=as_tensor((photo * np.exp(grain)).transpose(2, 0, 1)),
+        albedo=torch.tensor(TONE)[None, :, None, None].expand(1, 3, SIZE, SIZE).clone(),
+        normal=torch.tensor([0.0, 0, 1])[None, :, None, None].expand(1, 3, SIZE, SIZE),
+        relief=torch.zeros(1, 1, SIZE, SIZE),
+        parsing=as_tensor(parsing),
+        person=as_tensor(person[None]),
+        source_light=torch.ones(1, 16, 32, 3),
+    )
+
+
+def view_of(surface):
+    return np.ascontiguousarray(surface.photo[0].movedim(0, -1).numpy())
+
+
+@pytest.mark.parametrize("parsed_as", [SKIN, 0], ids=["as skin", "as background"])
+@pytest.mark.parametrize("colour", MASKS)
+def test_a_mask_of_any_colour_is_found_whatever_it_is_parsed_as(colour, parsed_as):
+    share = find_face_covering(face(MASKS[colour], parsed_as=parsed_as)).share[0, 0]
+    assert share[MASK][2:-2, 2:-2].min() > 0.95
+    assert share[:42].max() == share[83:].max() == share[:, :23].max() == share[:, 73:].max() == 0
+
+
+def test_a_bare_mouth_is_not_covered():
+    assert find_face_covering(face()) is None
+    assert find_face_covering(face(lips=0.95)) is None
+
+
+def test_where_lips_are_seen_a_colour_is_paint_or_light():
+    assert find_face_covering(face(MASKS["blue"], lips=0.95)) is None
+    assert find_face_covering(face(MASKS["blue"], lips=0.5)) is not None
+
+
+def test_neither_a_shadow_nor_half_a_mouth_is_a_covering():
+    assert find_face_covering(face(shade=0.2)) is None
+    half = face(MASKS["green"])
+    half.photo[..., :48] = torch.tensor(TONE)[:, None, None]
+    assert find_face_covering(half) is None
+
+
+def test_without_both_eyes_or_a_forehead_nothing_is_known():
+    for label in (LEFT_EYE, RIGHT_EYE):
+        one_eyed = face(MASKS["white"])
+        one_eyed.parsing[:, label] = 0
+        assert find_face_covering(one_eyed) is None
+    veiled = face(MASKS["white"])
+    veiled.parsing[:, SKIN, :42] = 0
+    assert find_face_covering(veiled) is None
+
+
+def test_a_face_as_dark_as_can_be_has_none():
+    black = face(MASKS["red"])
+    assert find_face_covering(replace(black, photo=torch.zeros_like(black.photo))) is None
+
+
+def test_hair_beside_it_and_the_wall_behind_do_not_belong_to_it():
+    beside = face(MASKS["blue"])
+    beside.parsing[:, :, 40:84, 66:78] = 0
+    beside.parsing[:, HAIR, 40:84, 66:78] = 1
+    beside.photo[..., 40:84, 66:78] = torch.tensor((0.02, 0.02, 0.02))[:, None, None]
+    share = find_face_covering(beside).share[0, 0]
+    assert share[50:74, 30:60].min() > 0.95
+    assert share[:, 69:].max() == 0
+
+
+def test_a_leaning_head_has_its_mouth_where_its_eyes_say():
+    upright = face(MASKS["red"])
+    leaning = replace(upright, **{n: getattr(upright, n).rot90(1, (2, 3)) for n in ("photo", "parsing", "person")})
+    share = find_face_covering(leaning).share
+    torch.testing.assert_close(share, find_face_covering(upright).share.rot90(1, (2, 3)))
+
+
+@pytest.mark.parametrize("colour", ["blue", "white", "red"])
+def test_taken_off_a_mask_has_the_colour_of_skin(colour):
+    seen = face(MASKS[colour])
+    plain = find_face_covering(seen).taken_off(view_of(seen))
+    np.testing.assert_allclose(plain[MOUTH].mean((0, 1)), TONE, rtol=0.05)
+    np.testing.assert_array_equal(plain[FOREHEAD], view_of(seen)[FOREHEAD])
+
+
+def test_put_on_it_is_cloth_of_its_own_colour():
+    seen = face(MASKS["blue"])
+    covering = find_face_covering(seen)
+    worn = covering.put_on(seen, view_of(seen))
+    torch.testing.assert_close(worn.albedo[0][:, *MOUTH].mean((1, 2)), torch.tensor(MASKS["blue"]), rtol=0.05, atol=0.0)
+    torch.testing.assert_close(worn.photo, seen.photo)
+    assert worn.parsing[0, CLOTH][MASK][2:-2, 2:-2].min() > 0.95
+    torch.testing.assert_close(worn.parsing.sum(1), torch.ones(1, SIZE, SIZE))
+    torch.testing.assert_close(worn.parsing[..., :42, :], seen.parsing[..., :42, :])
+    assert worn.person[0, 0][MASK].min() > 0.95
+
+
+@pytest.mark.parametrize("again", [False, True])
+def test_a_masked_face_is_de_lit_in_the_colour_of_skin(monkeypatch, again):
+    masked, views = face(MASKS["green"]), []
+
+    def delight(bundle, view, size, device, **how):
+        views.append(view)
+        return replace(masked, photo=torch.from_numpy(view).movedim(-1, 0)[None])
+
+    monkeypatch.setattr(stages, "delight", delight)
+    view = view_of(masked)
+    tier = Tier(SIZE, SIZE, SIZE, 16, False, precision="fp32", looks_twice=again)
+    found = take_apart(SimpleNamespace(foreign_shadow=None), view, tier, "cpu")
+    np.testing.assert_allclose(views[0], view, atol=1e-6)
+    for later in views[1:]:
+        ratio = later[MOUTH].mean((0, 1)) / later[FOREHEAD].mean((0, 1))
+        np.testing.assert_allclose(ratio, 1, atol=0.1)
+    assert len(views) == 2 + again
+    torch.testing.assert_close(found.photo, masked.photo, atol=1e-4, rtol=1e-3)
+    assert found.parsing[0, CLOTH][MOUTH].min() > 0.95
+    assert found.albedo[0, 0][MOUTH].max() < 0.3 * found.albedo[0, 1][MOUTH].min()
