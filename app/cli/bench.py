@@ -28,7 +28,7 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.cli.arguments import add_json
+from app.cli.arguments import add_json, user_path
 from app.cli.maker_inputs import (
     check_heads_and_lights,
     count_at_least_one,
@@ -70,19 +70,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--photos",
         metavar="FOLDER",
-        type=Path,
+        type=user_path,
         help="portraits, for --files and --stability one alone; without, the sample portrait",
     )
-    parser.add_argument("--heads", metavar="DIR", type=Path, help="test heads from relight dataset bake")
-    parser.add_argument("--lights", metavar="LIGHTS", type=Path, help="a light library, or a folder of panoramas")
-    parser.add_argument("--weights", metavar="W", type=Path, help="a .safetensors file; the bundled ones without")
+    parser.add_argument("--heads", metavar="DIR", type=user_path, help="test heads from relight dataset bake")
+    parser.add_argument("--lights", metavar="LIGHTS", type=user_path, help="a light library, or a folder of panoramas")
+    parser.add_argument("--weights", metavar="W", type=user_path, help="a .safetensors file; the bundled ones without")
     parser.add_argument("--count", metavar="N", type=count_at_least_one, help=f"test heads ({_COUNT})")
     parser.add_argument(
         "--rounds", metavar="N", type=count_at_least_one, help=f"turns of each setting, all photos together ({_ROUNDS})"
     )
     parser.add_argument("--turns", metavar="N", type=count_at_least_one, help=f"stops of a full circle ({_TURNS})")
     parser.add_argument("--device", choices=("cpu", "cuda"), default="cpu")
-    parser.add_argument("-o", "--output", metavar="DIR", type=Path, default=Path("bench"), help="a folder (bench)")
+    parser.add_argument("-o", "--output", metavar="DIR", type=user_path, default=Path("bench"), help="a folder (bench)")
     add_json(parser)
 
 

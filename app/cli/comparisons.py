@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from app.cli.arguments import user_path
 from app.cli.maker_inputs import (
     check_head_sizes,
     check_heads_and_lights,
@@ -43,10 +44,10 @@ def add_budget(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--sun",
         metavar="FILE",
-        type=Path,
+        type=user_path,
         help="peers: Sun et al.'s network of another comparison, sun/sun.safetensors there, at its own size",
     )
-    group.add_argument("--dpr", metavar="FILE", type=Path, help="peers: DPR's own weights, trained_model_03.t7")
+    group.add_argument("--dpr", metavar="FILE", type=user_path, help="peers: DPR's own weights, trained_model_03.t7")
 
 
 def run_comparison(arguments: argparse.Namespace) -> int:

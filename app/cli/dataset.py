@@ -18,6 +18,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from app.cli.arguments import user_path
 from app.cli.dataset_studies import STUDIES, add_study_arguments
 from app.cli.maker_inputs import (
     LIGHTS_HELP,
@@ -38,9 +39,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight dataset`."""
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
     bake = actions.add_parser("bake", description="Bake heads: everything that any light needs to light them.")
-    bake.add_argument("--heads", metavar="HEADS", type=Path, required=True, help=_HEADS)
-    bake.add_argument("--wardrobe", metavar="FOLDER", type=Path, help="unpacked MakeHuman data; heads are bare without")
-    bake.add_argument("--out", metavar="DIR", type=Path, required=True, help="where the heads go")
+    bake.add_argument("--heads", metavar="HEADS", type=user_path, required=True, help=_HEADS)
+    bake.add_argument(
+        "--wardrobe", metavar="FOLDER", type=user_path, help="unpacked MakeHuman data; heads are bare without"
+    )
+    bake.add_argument("--out", metavar="DIR", type=user_path, required=True, help="where the heads go")
     bake.add_argument("--split", choices=SPLITS, default="train")
     bake.add_argument("--count", metavar="N", type=count_at_least_one, required=True, help="how many heads in all")
     bake.add_argument(
@@ -51,16 +54,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     bake.add_argument("--hair-mass", metavar="SHARE", type=_share, help="how many without headwear have great hair")
     bake.add_argument("--size", metavar="PX", type=_size, default=256, help="side of the images (256)")
     skins = actions.add_parser("skins", description="Carry MakeHuman's skins onto the head model, beside baked heads.")
-    skins.add_argument("--heads", metavar="MODEL", type=Path, required=True, help="the head model, an .npz")
-    skins.add_argument("--wardrobe", metavar="FOLDER", type=Path, required=True, help="unpacked MakeHuman data")
-    skins.add_argument("--out", metavar="DIR", type=Path, required=True, help="the folder of the heads")
+    skins.add_argument("--heads", metavar="MODEL", type=user_path, required=True, help="the head model, an .npz")
+    skins.add_argument("--wardrobe", metavar="FOLDER", type=user_path, required=True, help="unpacked MakeHuman data")
+    skins.add_argument("--out", metavar="DIR", type=user_path, required=True, help="the folder of the heads")
     lights = actions.add_parser("lights", description="Keep a folder of panoramas as one file that opens quickly.")
-    lights.add_argument("folder", metavar="FOLDER", type=Path, help=".hdr and .exr panoramas, a sub-folder per place")
-    lights.add_argument("-o", "--output", metavar="LIGHTS", type=Path, required=True, help="an .npz file")
+    lights.add_argument(
+        "folder", metavar="FOLDER", type=user_path, help=".hdr and .exr panoramas, a sub-folder per place"
+    )
+    lights.add_argument("-o", "--output", metavar="LIGHTS", type=user_path, required=True, help="an .npz file")
     check = actions.add_parser("check", description="Compare baked light with a path tracer's, head by head.")
-    check.add_argument("--heads", metavar="HEADS", type=Path, required=True, help=_HEADS)
-    check.add_argument("--wardrobe", metavar="FOLDER", type=Path, help="unpacked MakeHuman data")
-    check.add_argument("--lights", metavar="LIGHTS", type=Path, required=True, help=LIGHTS_HELP)
+    check.add_argument("--heads", metavar="HEADS", type=user_path, required=True, help=_HEADS)
+    check.add_argument("--wardrobe", metavar="FOLDER", type=user_path, help="unpacked MakeHuman data")
+    check.add_argument("--lights", metavar="LIGHTS", type=user_path, required=True, help=LIGHTS_HELP)
     check.add_argument("--count", metavar="N", type=count_at_least_one, default=10, help="heads (10)")
     check.add_argument("--lights-per-head", metavar="N", type=count_at_least_one, default=10, help="(10)")
     add_study_arguments(actions)

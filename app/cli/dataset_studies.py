@@ -7,6 +7,7 @@ import os
 import tempfile
 from pathlib import Path
 
+from app.cli.arguments import user_path
 from app.cli.maker_inputs import (
     LIGHTS_HELP,
     SPLITS,
@@ -36,7 +37,7 @@ def add_study_arguments(actions) -> None:
     preview.add_argument("--split", choices=SPLITS, default="train")
     preview.add_argument("--count", metavar="N", type=count_at_least_one, default=8, help="samples, one in a row (8)")
     preview.add_argument("--seed", metavar="N", type=count_from_zero, default=0, help="another one draws other samples")
-    preview.add_argument("-o", "--output", metavar="SHEET", type=Path, required=True, help="a .png or .jpg file")
+    preview.add_argument("-o", "--output", metavar="SHEET", type=user_path, required=True, help="a .png or .jpg file")
     speed = actions.add_parser("speed", description="Time the making of samples on one core of an idle machine.")
     _add_data(speed)
     speed.add_argument("--size", metavar="PX", type=int, action="append", help="side of the images (128 and 256)")
@@ -46,19 +47,21 @@ def add_study_arguments(actions) -> None:
     )
     effect = actions.add_parser("effect", description="Train one small network on two data sets, and compare them.")
     _add_data(effect)
-    effect.add_argument("--bare", metavar="DIR", type=Path, required=True, help="heads baked without a wardrobe")
-    effect.add_argument("--photos", metavar="FOLDER", type=Path, required=True, help="photos of people")
+    effect.add_argument("--bare", metavar="DIR", type=user_path, required=True, help="heads baked without a wardrobe")
+    effect.add_argument("--photos", metavar="FOLDER", type=user_path, required=True, help="photos of people")
     effect.add_argument("--steps", metavar="N", type=count_at_least_one, default=600, help="of training (600)")
     effect.add_argument("--size", metavar="PX", type=count_at_least_one, default=64, help="side of the images (64)")
     effect.add_argument("--pairs", metavar="N", type=count_at_least_one, default=8, help="in a batch (8)")
     effect.add_argument("--width", metavar="N", type=count_at_least_one, default=12, help="of the network (12)")
-    effect.add_argument("--work", metavar="DIR", type=Path, help="keep the weights there; what is there is used again")
-    effect.add_argument("-o", "--output", metavar="SHEET", type=Path, required=True, help="a .png or .jpg file")
+    effect.add_argument(
+        "--work", metavar="DIR", type=user_path, help="keep the weights there; what is there is used again"
+    )
+    effect.add_argument("-o", "--output", metavar="SHEET", type=user_path, required=True, help="a .png or .jpg file")
 
 
 def _add_data(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--shards", metavar="DIR", type=Path, required=True, help="heads that bake made")
-    parser.add_argument("--lights", metavar="LIGHTS", type=Path, required=True, help=LIGHTS_HELP)
+    parser.add_argument("--shards", metavar="DIR", type=user_path, required=True, help="heads that bake made")
+    parser.add_argument("--lights", metavar="LIGHTS", type=user_path, required=True, help=LIGHTS_HELP)
 
 
 def _preview(arguments: argparse.Namespace) -> int:

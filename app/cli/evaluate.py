@@ -23,7 +23,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.cli.arguments import add_json
+from app.cli.arguments import add_json, user_path
 from app.cli.comparisons import BUDGET, add_budget, run_comparison
 from app.cli.maker_inputs import (
     add_heads_and_lights,
@@ -63,7 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="networks by default",
     )
     add_heads_and_lights(parser)
-    parser.add_argument("--weights", metavar="W", type=Path, help="a .safetensors file; the bundled ones without")
+    parser.add_argument("--weights", metavar="W", type=user_path, help="a .safetensors file; the bundled ones without")
     parser.add_argument("--split", choices=("test", "validation"), default="test")
     parser.add_argument("--count", metavar="N", type=count_at_least_one, default=8, help="heads (8)")
     parser.add_argument(
@@ -81,7 +81,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "-o",
         "--output",
         metavar="REPORT",
-        type=Path,
+        type=user_path,
         help="also write the tables, a .md file; for the paper's tables a folder",
     )
     add_json(parser)

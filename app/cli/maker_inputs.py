@@ -13,6 +13,7 @@ from datetime import timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from app.cli.arguments import user_path
 from app.cli.outputs import check_folder
 from app.cli.streams import Heedless, tell
 from relight_core.errors import InputError
@@ -33,8 +34,10 @@ _ESTIMATED_OVER_S = 900.0
 
 def add_heads_and_lights(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
     """--heads and --lights, the data of training and evaluation."""
-    parser.add_argument("--heads", metavar="DIR", type=Path, required=required, help="heads from relight dataset bake")
-    parser.add_argument("--lights", metavar="LIGHTS", type=Path, required=required, help=LIGHTS_HELP)
+    parser.add_argument(
+        "--heads", metavar="DIR", type=user_path, required=required, help="heads from relight dataset bake"
+    )
+    parser.add_argument("--lights", metavar="LIGHTS", type=user_path, required=required, help=LIGHTS_HELP)
 
 
 def count_at_least_one(text: str) -> int:

@@ -41,7 +41,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--json", action="store_true", help="one JSON object on stdout")
     parser.add_argument(
-        "-o", "--output", type=Path, metavar="FILE.json", help="write it there too, again after each part and opening"
+        "-o",
+        "--output",
+        type=user_path,
+        metavar="FILE.json",
+        help="write it there too, again after each part and opening",
     )
 
 

@@ -27,6 +27,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from app.cli.arguments import user_path
 from app.cli.maker_inputs import (
     add_heads_and_lights,
     check_head_sizes,
@@ -59,12 +60,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     what.add_argument("--recipe", metavar="RECIPE", help="a .toml file, or the name of a bundled recipe")
     what.add_argument("--stage", metavar="STAGE", help="one of those above")
     what.add_argument(
-        "--join", metavar="OTHER", type=Path, help="weights whose networks beside the first three go into --start's"
+        "--join",
+        metavar="OTHER",
+        type=user_path,
+        help="weights whose networks beside the first three go into --start's",
     )
     add_heads_and_lights(parser, required=False)
-    parser.add_argument("--start", metavar="WEIGHTS", type=Path, help="weights to go on from; random ones without")
+    parser.add_argument("--start", metavar="WEIGHTS", type=user_path, help="weights to go on from; random ones without")
     parser.add_argument(
-        "-o", "--output", metavar="PLACE", type=Path, required=True, help="a folder; with --stage a .safetensors file"
+        "-o",
+        "--output",
+        metavar="PLACE",
+        type=user_path,
+        required=True,
+        help="a folder; with --stage a .safetensors file",
     )
     parser.add_argument(
         "--workers",
@@ -75,7 +84,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--places",
         metavar="DIR",
-        type=Path,
+        type=user_path,
         help="a folder of panoramas (.hdr, .exr) that the person network's samples are put before, beside drawn scenes",
     )
     _add_stage_arguments(parser.add_argument_group("with --stage"))
