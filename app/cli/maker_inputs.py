@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING
 from app.cli.arguments import user_path
 from app.cli.outputs import check_folder
 from app.cli.streams import Heedless, tell
+from app.engine.batch import photos_in
 from relight_core.errors import InputError
 
 if TYPE_CHECKING:
     from rich.progress import Task
 
 LIGHTS_HELP = "a light library, an .npz, or a folder of .hdr and .exr panoramas"
-_PHOTO_SUFFIXES = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp")
 SPLITS = ("train", "validation", "test")
 
 _LEAST_SIDE_PX = 16
@@ -125,13 +125,10 @@ def check_head_sizes(heads: Path, split: str, asked: Sequence[tuple[str, int]], 
 
 
 def photos_after_option(folder: Path) -> list[Path]:
-    """The photos in the folder that stands after --photos, by name; raises InputError where there is none."""
+    """The photos in the folder that stands after --photos, as of `photos_in`; raises InputError where there is none."""
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder; give a folder of photos after --photos")
-    paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in _PHOTO_SUFFIXES)
-    if not paths:
-        raise InputError(f"{folder}: no photos in it ({', '.join(_PHOTO_SUFFIXES)})")
-    return paths
+    return photos_in(folder)
 
 
 def check_output_file(path: Path, suffixes: tuple[str, ...]) -> None:

@@ -329,7 +329,7 @@ def test_effect_refuses(run, data):
     words += ["--size", 32]
     refused(run(*words, "--bare", data / "heads", "--photos", data / "gone"), "gone")
     refused(run(*words, "--bare", data / "none", "--photos", data), "none")
-    refused(run(*words, "--bare", data / "heads", "--photos", data), "no photos in it")
+    refused(run(*words, "--bare", data / "heads", "--photos", data), "no photos in this folder")
 
 
 def test_effect_tells_of_a_photo_it_can_t_read_before_it_trains(run, data, tmp_path, monkeypatch):

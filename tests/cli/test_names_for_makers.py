@@ -5,7 +5,10 @@ import os
 import cv2
 import numpy as np
 import pytest
+from PIL import Image
 from refusals import refused
+
+from app.cli import bench
 
 BAKE = ["dataset", "bake", "--heads", "h.npz", "--wardrobe", "w", "--out", "heads", "--count", "1"]
 SKINS = ["dataset", "skins", "--heads", "h.npz", "--wardrobe", "w", "--out", "heads"]
@@ -82,3 +85,16 @@ def test_the_home_folder_s_sign_counts_where_no_shell_has_seen_it(run, tmp_path,
     cv2.imwrite(str(tmp_path / "panoramas" / "yard.hdr"), np.ones((8, 16, 3), np.float32))
     assert run("dataset", "lights", "~/panoramas", "--output=~/l.npz").code == 0
     assert (tmp_path / "l.npz").is_file()
+
+
+def test_photos_to_measure_are_those_of_a_folder_that_is_relit(relight, tmp_path, monkeypatch):
+    """A Mac leaves a hidden file beside each photo that it copies, under the photo's name and of no picture."""
+    photos = tmp_path / "photos"
+    (photos / "album.jpg").mkdir(parents=True)
+    for name in ("me.bmp", "you.jpg", "you-relit.jpg"):
+        Image.new("RGB", (4, 4)).save(photos / name)
+    (photos / "._you.jpg").write_bytes(b"Mac OS X")
+    measured = []
+    monkeypatch.setattr(bench, "_session", lambda _, photos, __: measured.extend(photos) or 0)
+    assert relight("bench", "--session", "--photos", photos, "-o", tmp_path / "out").code == 0
+    assert [photo.path.name for photo in measured] == ["me.bmp", "you.jpg"]
