@@ -17,6 +17,7 @@ from relight_core.pipeline.quality import TIERS
 if TYPE_CHECKING:
     from app.window.measure import WindowSpeed
 
+_HEADING = f"{'median':>46s} {'p95':>8s}"
 _EVERY = 10
 """Openings between two lines that tell how far it is, after a first one."""
 
@@ -59,7 +60,6 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.output:
         check_output_file(arguments.output, (".json",))
     speed, told = WindowSpeed(), tell if arguments.json else say
-    told("                                        median      p95")
     try:
         for now in measure_window(
             make_relighter,
@@ -86,8 +86,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def news(before: WindowSpeed, now: WindowSpeed) -> list[str]:
-    """What `now` tells beyond `before`, a line each."""
-    lines = []
+    """What `now` tells beyond `before`, a line each; what was measured first has the table's heading above it."""
+    lines = [_HEADING] if before.frame is None and now.frame is not None else []
     for field, title in _SPREADS:
         spread = getattr(now, field)
         if spread is not None and spread != getattr(before, field):

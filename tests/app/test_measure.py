@@ -110,6 +110,17 @@ def test_each_part_is_told_once_it_is_there_and_told_once(monkeypatch, capsys):
     assert told.err == "opened 2 of 2, 310 MiB, 1.2 s each, 0.0 min left\n"
 
 
+@pytest.mark.parametrize("words", [(), ("--json",)])
+def test_a_window_that_can_not_be_measured_leaves_no_empty_table(monkeypatch, capsys, words):
+    def refuse():
+        raise InputError("a.jpg: no such file; check the path")
+        yield
+
+    with pytest.raises(InputError):
+        run_measure(monkeypatch, refuse, *words)
+    assert capsys.readouterr() == ("", "")
+
+
 def test_what_is_measured_is_what_was_asked_for(monkeypatch, capsys):
     asked = {}
     monkeypatch.setattr("app.window.measure.measure_window", lambda *_, **given: asked.update(given) or iter(()))
