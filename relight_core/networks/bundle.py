@@ -268,6 +268,10 @@ def load_bundle(path: Path) -> NetworkBundle:
             bundle.load_state_dict({name: value.float() for name, value in tensors.items()}, strict=True)
     except InputError:
         raise
+    except FileNotFoundError:
+        raise InputError(
+            f"{path}: no such file; check the path, or install relight again if these are its own weights"
+        ) from None
     except KeyError as error:
         what = f"not the weights of relight's networks (their header has no {error.args[0]!r})"
         raise InputError(f"{path}: {what}; use those that 'relight train' wrote") from error

@@ -110,6 +110,12 @@ def test_a_folder_and_a_text_are_refused(tmp_path):
             load_bundle(path)
 
 
+def test_a_file_that_is_missing_is_told_without_the_system_s_words(tmp_path):
+    with pytest.raises(InputError, match=r"gone\.safetensors: no such file; check the path") as told:
+        load_bundle(tmp_path / "gone.safetensors")
+    assert "Errno" not in str(told.value)
+
+
 def rewritten(path, metadata, drop=None):
     tensors = {name: value for name, value in load_file(path).items() if name != drop}
     save_file(tensors, path, metadata=metadata)
