@@ -297,12 +297,15 @@ def lock_the_folder(kind: Kind, scratch: Path) -> None:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("names", nargs="*", help="kinds to attack; all by default")
+    there = kinds()
+    parser.add_argument("names", nargs="*", help=f"kinds to attack, of {', '.join(there)}; all by default")
     wanted = parser.parse_args().names
+    if unknown := [name for name in wanted if name not in there]:
+        parser.error(f"{unknown[0]!r} is none of {', '.join(there)}")  # Else nothing would be attacked, and all well.
     counts = {}
     with tempfile.TemporaryDirectory() as place:
         os.chmod(place, 0o755)
-        for name, kind in kinds().items():
+        for name, kind in there.items():
             if wanted and name not in wanted:
                 continue
             scratch = Path(place) / name

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import kill_everywhere
 import numpy as np
 import pytest
 import torch
@@ -31,6 +32,16 @@ def test_killed_before_each_of_its_steps_every_writer_leaves_the_old_or_the_new(
     counts = json.loads(done.stdout)
     assert len(counts) == 11
     assert min(counts.values()) >= 3, counts
+
+
+def test_a_kind_of_writer_that_is_not_there_is_not_passed_over(monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["kill_everywhere.py", "settings", "PNG"])
+    with pytest.raises(SystemExit) as ended:
+        kill_everywhere.main()
+    assert ended.value.code == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert "'PNG' is none of png," in told.err
 
 
 def test_a_disk_that_fills_up_leaves_the_old_weights(tmp_path, monkeypatch):
