@@ -2,8 +2,11 @@
 
 import hashlib
 import json
+import re
 import subprocess
+import tomllib
 from importlib.metadata import PackageNotFoundError
+from pathlib import Path
 
 import pytest
 
@@ -61,6 +64,16 @@ def too_slow(*_, **__):
 def test_info_tells_who_draws_or_why_nobody_does(relight, monkeypatch, probe, told):
     monkeypatch.setattr(info.subprocess, "run", probe)
     assert f"graphics  {told}\n" in relight("info").out
+
+
+def test_info_tells_the_version_of_whatever_reads_files_and_of_all_else_that_is_needed(relight, monkeypatch):
+    monkeypatch.setattr(info, "version", lambda name: f"{name} is here")
+    monkeypatch.setattr(info.subprocess, "run", too_slow)
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    needed = [*project["dependencies"], *project["optional-dependencies"]["raw"], "mitsuba"]
+    names = {re.match("[A-Za-z-]+", line)[0] for line in needed}
+    assert {"pillow", "pi-heif", "rawpy"} <= names
+    assert json.loads(relight("info", "--json").out)["packages"] == {name: f"{name} is here" for name in names}
 
 
 def test_info_tells_what_is_not_there(relight, monkeypatch):
