@@ -121,6 +121,9 @@ class RelighterLike(Protocol):
     def get_ready(self, environment: Environment, edit: Edit) -> None:
         """Find out what an edit's quality needs to know of the portrait once, before it relights."""
 
+    def forget_lights(self) -> None:
+        """Drop what came with a light or an edit, so that the next picture is made anew."""
+
 
 class RelitLike(Protocol):
     """The part of relight_core.pipeline.relighter.Relit that the window uses."""

@@ -18,8 +18,9 @@ from relight_core.pipeline.cache import computed_ms
 _OBSERVED, _ENOUGH = 15, 5
 """How many of a tier's last pictures are remembered, and from how many on their median counts."""
 
-_ANSWERS_A_TURN = "irradiance"
-"""The stage that runs anew whenever the light has turned."""
+_ANSWER_A_LIGHT = ("irradiance", "specular_shadow", "compose")
+"""The stages that run anew for every new light. Under one that was seen before only the first does, which keeps the
+fewest results; at a strength of 0 there is nothing for the second to find."""
 
 
 class TierMeter:
@@ -63,8 +64,8 @@ class TierMeter:
 
     def observe(self, quality: str, stages: Mapping) -> None:
         """Learn from a picture whose light was new; `stages` as in Relit."""
-        light = stages.get(_ANSWERS_A_TURN)
-        if light is None or light.state != "computed" or "delight" in stages and stages["delight"].state == "computed":
+        computed = {name for name, stage in stages.items() if stage.state == "computed"}
+        if not computed.issuperset(_ANSWER_A_LIGHT) or "delight" in computed:
             return
         self._observed.setdefault(quality, deque(maxlen=_OBSERVED)).append(computed_ms(stages))
 

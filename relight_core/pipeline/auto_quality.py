@@ -80,6 +80,8 @@ class Relights(Protocol):
         self, environment: Environment, edit: Edit, longest_side_px: int | None = None, *, for_shader: bool = False
     ): ...
 
+    def forget_lights(self) -> None: ...
+
 
 class Calibration:
     """Measures the tiers on the portrait that is open, one tier a step, so that nobody waits long.
@@ -105,7 +107,8 @@ class Calibration:
     def measure_next(self, relighter: Relights, environment: Environment) -> None:
         """Measure one more tier: one update to prepare it, then one for each of five angles.
 
-        Under another light than the tier before, all of them are measured anew.
+        Under another light than the tier before, all of them are measured anew. Of no update is anything found in
+        the caches: not where the light looks the same however it is turned, nor where the hand had turned it there.
         """
         if environment is not self._light:
             self._begin(environment)
@@ -115,6 +118,7 @@ class Calibration:
         times, pictures = [], []
         for yaw_deg in _YAWS_DEG:
             edit = replace(prepared, yaw_deg=yaw_deg, tolerance=0.0)
+            relighter.forget_lights()
             started = time.perf_counter()
             relighter.relight(environment, edit, _PREVIEW_PX, for_shader=True)
             times.append(1e3 * (time.perf_counter() - started))

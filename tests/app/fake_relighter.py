@@ -112,6 +112,9 @@ class FakeRelighter:
     def get_ready(self, environment, edit):
         self.readied.append(edit)
 
+    def forget_lights(self):
+        """It keeps nothing."""
+
     def relight(self, environment, edit, longest_side_px=None, *, for_shader=False):
         self.entered.release()
         assert self.gate.wait(30)

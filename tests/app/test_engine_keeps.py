@@ -35,7 +35,7 @@ class Timed(FakeRelighter):
     """Every picture takes 777 ms."""
 
     def relight(self, *arguments, **named):
-        stages = {"irradiance": FakeStage(0.0), "compose": FakeStage(777.0)}
+        stages = {"irradiance": FakeStage(0.0), "specular_shadow": FakeStage(0.0), "compose": FakeStage(777.0)}
         return replace(super().relight(*arguments, **named), stages=stages)
 
 
@@ -284,6 +284,14 @@ def test_what_the_tiers_cost_is_measured_once_and_known_from_then_on(started, co
     known = answered(started(later, calibration_path=costs_path), Request(source, SPLIT, Edit()))
     assert known.tier_costs == measured.tier_costs
     assert len(later.relights) == 1
+
+
+def test_in_the_dark_no_tier_is_measured(started, costs_path, tmp_path):
+    write_image(tmp_path / "dark.exr", np.zeros((8, 16, 3), np.float32))
+    dark = LightSource("panorama", str(tmp_path / "dark.exr"))
+    engine, source = started(FakeRelighter(), calibration_path=costs_path), PhotoSource(a_photo())
+    assert answered(engine, Request(source, dark, Edit())).tier_costs == {}
+    assert set(answered(engine, Request(source, SPLIT, Edit())).tier_costs) == {"draft", "live", "final"}
 
 
 LARGER, PHOTO = a_photo(0.25, (40, 36)), a_photo()

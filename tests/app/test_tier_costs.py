@@ -26,6 +26,9 @@ class FakeRelighter:
         self.count += 1
         return SimpleNamespace(image=np.full((2, 2, 3), 0.5, np.float32))
 
+    def forget_lights(self):
+        """It keeps nothing."""
+
 
 @pytest.fixture(autouse=True)
 def _one_machine(monkeypatch):
@@ -36,6 +39,7 @@ def turned(ms):
     return {
         "delight": SimpleNamespace(ms=0.0, state="reused"),
         "irradiance": SimpleNamespace(ms=0.0, state="computed"),
+        "specular_shadow": SimpleNamespace(ms=0.0, state="computed"),
         "compose": SimpleNamespace(ms=ms, state="computed"),
     }
 
@@ -127,6 +131,18 @@ def test_only_updates_after_a_turn_count(tmp_path):
         meter.observe("live", slider)
         meter.observe("live", opening)
         meter.observe("live", {})
+    assert meter.costs() == COSTS
+
+
+@pytest.mark.parametrize(("stage", "state"), [("compose", "reused"), ("specular_shadow", "skipped")])
+def test_pictures_whose_networks_had_nothing_to_do_do_not_count(tmp_path, stage, state):
+    """Of a light that was seen before the networks' results are kept, and a strength of 0 asks for none."""
+    path = tmp_path / "tiers.json"
+    write_costs(path, "this machine", COSTS)
+    meter = TierMeter(path)
+    meter.read()
+    for _ in range(9):
+        meter.observe("final", turned(3.0) | {stage: SimpleNamespace(ms=0.0, state=state)})
     assert meter.costs() == COSTS
 
 

@@ -48,6 +48,9 @@ class FakeRelighter:
     def __init__(self):
         self.edits, self.timed, self.now_s = [], [], 0.0
 
+    def forget_lights(self):
+        """It keeps nothing."""
+
     def perf_counter(self):
         return self.now_s
 

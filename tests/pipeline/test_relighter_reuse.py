@@ -10,6 +10,7 @@ from relight_core.lighting.environment import Environment
 from relight_core.lighting.panorama import rotate
 from relight_core.lighting.sphere import direction_at
 from relight_core.pipeline import face_relighter, stages
+from relight_core.pipeline.auto_quality import Calibration
 from relight_core.pipeline.per_light.fine_edges import FineEdges
 from relight_core.pipeline.relighter import Relighter
 
@@ -246,6 +247,24 @@ def test_sliders_that_are_turned_off_move_nothing_not_even_the_edges_of_shadows(
     at_rest = relighter.relight(sun(), off).image
     relighter.forget_lights()
     np.testing.assert_array_equal(relighter.relight(sun(), replace(off, **slider)).image, at_rest)
+
+
+@pytest.mark.parametrize("light", [Environment.from_radiance(np.ones((16, 32, 3), np.float32), "even"), sun()])
+def test_measuring_the_tiers_finds_nothing_kept_of_a_light_however_it_was_turned_before(relighter, monkeypatch, light):
+    ran, relight = [], relighter.relight
+
+    def noted(*arguments, **how):
+        relit = relight(*arguments, **how)
+        ran.append(computed(relit))
+        return relit
+
+    monkeypatch.setattr(relighter, "relight", noted)
+    for _ in range(2):
+        calibration = Calibration()
+        while calibration.costs is None:
+            calibration.measure_next(relighter, light)
+    # Of each tier in both rounds, at least its five timed updates.
+    assert sum({"specular_shadow", "compose"} <= one for one in ran) >= 2 * 3 * 5
 
 
 def test_turning_a_light_is_relighting_with_the_turned_panorama(relighter):
