@@ -144,3 +144,18 @@ def test_parts_of_a_picture_whose_person_is_kept_are_those_of_any(backdrop):
         if one is not None:
             np.testing.assert_allclose(one, other, atol=1e-6)
     np.testing.assert_allclose(kept.pixel(20, 16)[0], picture.render()[0][20, 16], atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "backdrop", [Backdrop(kept=True), Backdrop(gain=np.ones(3, np.float32))], ids=["keep", "match"]
+)
+def test_a_person_a_million_times_darker_than_the_photo_keeps_every_shade(backdrop):
+    """As in a light that is dim in the photo's units, which may be any in a floating-point file."""
+    some = some_picture(backdrop)
+    everyone = replace(some.matte, level=np.ones_like(some.matte.level))
+    darker = [replace(change, gain=change.gain / 2**20, offset=0 * change.offset) for change in some.changes]
+    lit = replace(some, matte=everyone, changes=tuple(darker), rest=some.rest / 2**20)
+    image, _ = lit.render()
+    expected, _ = replace(lit, backdrop=Backdrop(transparent=True)).render()
+    assert 0 < expected.max() < 1e-5
+    np.testing.assert_allclose(image, expected, rtol=1e-5)

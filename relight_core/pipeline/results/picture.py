@@ -225,10 +225,12 @@ class Picture:
         colour, share = person.colour[:, first:last], person.share[:, first:last]
         start = band.span[0]
         relit = self._relit(colour, replace(band, columns=(start + first, start + last)))
-        relit -= colour
         # Repeated by hand: numpy takes five times as long for pixels times shares of pixels.
-        relit *= cv2.merge((share, share, share)).reshape(relit.shape)
-        relit += linear[:, first:last]
+        shares = cv2.merge((share, share, share)).reshape(relit.shape)
+        relit *= shares
+        # Apart, as in the shader: a person far darker than the photo would be rounded to steps of the photo's radiance.
+        shares *= colour
+        relit += np.subtract(linear[:, first:last], shares, out=shares)
         np.maximum(relit, without_black(np.float32(0), self.canvas.black), out=result[:, first:last])
         return result
 
