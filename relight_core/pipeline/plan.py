@@ -53,8 +53,8 @@ class Effect:
         bound: the largest change of a displayed value in [0, 1] against computing it for exactly this light; None
             where the user or the quality tier has decided, which no rule answers for.
         forced: the user's decision about it: on, off or none.
-        saved_ms: what computing it took when it last ran on this machine; 0 where it is computed now, None
-            where it never ran.
+        saved_ms: what computing it took when it last ran on this machine; 0 where it or what else finds it is
+            computed now, None where it never ran or what it takes is not known apart from what runs without it.
     """
 
     name: str
@@ -141,6 +141,7 @@ _STAGE_OF = {
     "background": "background",
     "channels": "channels",
 }
+_PARTS_OF_STAGES = ("foreign_shadow", "sliders", "detail")  # which run without them too, and have no time of their own
 _ANSWERS_THE_LIGHT = ("shadow", "hard_shadow", "specular", "correction", "sliders", "detail", "catchlights", "channels")
 
 
@@ -164,7 +165,7 @@ def make_plan(
     network = _asks_the_network(scene, edit)
     keys = _keys(scene, edit, {name for name, verdict in verdicts.items() if verdict.needed}, network)
     times = typical_ms or {}
-    effects = tuple(_effect(name, verdicts[name], scene, edit, keys, kept, times) for name in EFFECTS)
+    effects = tuple(_effect(name, verdicts, scene, edit, keys, kept, times) for name in EFFECTS)
     return Plan(effects, keys, network)
 
 
@@ -373,18 +374,20 @@ def _keys(scene: Scene, edit: Edit, needed: set[str], network: bool) -> dict[str
 
 def _effect(
     name: str,
-    verdict: _Verdict,
+    verdicts: Mapping[str, _Verdict],
     scene: Scene,
     edit: Edit,
     keys: Mapping[str, Hashable],
     kept: Callable[[str, Hashable], bool],
     times: Mapping[str, float],
 ) -> Effect:
-    stage, forced = _STAGE_OF[name], edit.forced(name)
-    # One network finds both, so the time is told once.
-    saved_ms = 0.0 if name == "specular" else times.get(stage)
+    stage, forced, verdict = _STAGE_OF[name], edit.forced(name), verdicts[name]
+    # One network finds both, so the time is told once, and saved only where neither is needed.
+    is_told = name == "specular" or (name == "shadow" and verdicts["specular"].needed and not verdict.needed)
+    saved_ms = 0.0 if is_told else times.get(stage)
     if not verdict.needed:
-        return Effect(name, "skipped", verdict.why, verdict.bound, forced, saved_ms)
+        known_ms = None if name in _PARTS_OF_STAGES else saved_ms
+        return Effect(name, "skipped", verdict.why, verdict.bound, forced, known_ms)
     # Also what is computed now is computed for the light that serves.
     answers = name in _ANSWERS_THE_LIGHT or (name == "background" and edit.background == "match")
     of_light = scene.light_bound if answers else 0.0

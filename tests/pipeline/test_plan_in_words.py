@@ -78,6 +78,19 @@ def test_it_says_what_time_is_saved_and_of_two_effects_of_one_network_once():
     assert saved == {"shadow": 7.0, "specular": 0.0, "correction": 0.0, "residual": 3.0, "detail": None}
 
 
+@pytest.mark.parametrize("effect", ["foreign_shadow", "sliders", "detail"])
+def test_no_time_is_saved_by_leaving_a_part_out_of_a_stage_that_runs_all_the_same(effect):
+    stages = dict.fromkeys(("delight", "sliders", "detail"), 9.0)
+    edit = replace(EDIT, forced_off=frozenset({effect}))
+    assert make_plan(EVERYTHING, edit, typical_ms=stages).effect(effect).saved_ms is None
+
+
+@pytest.mark.parametrize(("left_out", "saved_ms"), [({"shadow"}, 0.0), ({"shadow", "specular"}, 7.0)])
+def test_leaving_shadow_out_saves_the_network_s_time_only_if_gloss_is_left_out_too(left_out, saved_ms):
+    plan = make_plan(EVERYTHING, replace(EDIT, forced_off=frozenset(left_out)), typical_ms={"specular_shadow": 7.0})
+    assert plan.effect("shadow").saved_ms == saved_ms
+
+
 def test_it_counts_lamps_and_readers_as_people_do():
     assert make_plan(EVERYTHING, EDIT).effect("hard_shadow").why.startswith("1 lamp so small")
     two = replace(EVERYTHING, lamps=(LAMP, replace(LAMP, toward=(-0.6, 0.0, 0.8))))
