@@ -141,14 +141,17 @@ class _Hand:
         window.frame()
 
     def drag(self, seconds: float) -> tuple[list[float], int]:
-        """Seconds of each frame while the mouse moves, and how many pictures came meanwhile."""
+        """Seconds of each frame while the mouse moves, and how many pictures came meanwhile.
+
+        The mouse moves on and on: where it has just been the networks' results are kept, and they would rest.
+        """
         window, x, y = self._window, *self._at
         durations, updates, shown = [], 0, window.state.snapshot.picture
         end, step, limit = time.perf_counter() + seconds, 0, FrameLimit(_DISPLAY_HZ)
         while not durations or time.perf_counter() < end:
             step += 1
             limit.wait()
-            window.on_mouse_move(None, x + step % 40, y)
+            window.on_mouse_move(None, x + step, y)
             began = time.perf_counter()
             window.frame()
             glfw.poll_events()

@@ -10,6 +10,7 @@ from fake_relighter import FakeRelighter
 
 from app.cli import measure
 from app.window.measure import Spread, WindowSpeed, measure_window
+from app.window.window import EditorWindow
 from relight_core.errors import InputError
 from relight_core.imaging.write import write_image
 
@@ -42,6 +43,25 @@ def test_every_movement_is_answered_and_counted(display, photo_path, monkeypatch
     assert min(speed.memory_mb) > 10
     assert min(speed.opening_s) > 0
     assert len(relighter.portraits) == 3
+
+
+def test_a_drag_never_comes_back_to_a_light_whose_picture_may_be_kept(display, photo_path, monkeypatch):
+    places, frame, move = [], EditorWindow.frame, EditorWindow.on_mouse_move
+
+    def noted(window, handle, x, y):
+        places.append(x)
+        move(window, handle, x, y)
+
+    monkeypatch.setattr("app.window.measure._DISPLAY_HZ", 1e6)
+    monkeypatch.setattr(EditorWindow, "on_mouse_move", noted)
+    # Once the mouse has begun to move, nothing needs to be drawn.
+    monkeypatch.setattr(EditorWindow, "frame", lambda window: frame(window) if len(places) < 2 else None)
+    parts = measure_window(FakeRelighter, [photo_path], size=(1024, 700), drag_s=0.1)
+    next(parts)
+    parts.close()
+    _pressed, *dragged, _back = places
+    assert len(dragged) > 80
+    assert len(set(dragged[:80])) == 80
 
 
 @pytest.mark.parametrize("in_turn", [False, True])
