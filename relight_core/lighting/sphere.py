@@ -49,7 +49,8 @@ def direction_at(u: float, v: float) -> np.ndarray:
 
 def turned(direction: np.ndarray, yaw_deg: float) -> np.ndarray:
     """A light's direction (3,) in camera space after a rotation of the light by yaw_deg, as by `panorama.rotate`."""
-    angle = np.radians(yaw_deg)
+    # Before it is rounded in radians, as of many turns it would be.
+    angle = np.radians(math.remainder(yaw_deg, 360.0))
     x, y, z = (float(value) for value in direction)
     return np.array([x * np.cos(angle) - z * np.sin(angle), y, x * np.sin(angle) + z * np.cos(angle)])
 

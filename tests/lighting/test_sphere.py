@@ -22,6 +22,9 @@ def test_a_turn_moves_to_the_right():
     moved, _ = place_on_map(*turned(np.array([0.0, 0.3, -1.0]), 36.0))
     assert moved == pytest.approx(0.6)
     np.testing.assert_allclose(turned(np.array([0.2, 0.5, 0.8]), 360.0), [0.2, 0.5, 0.8], atol=1e-12)
+    # 280 degrees, or 80 to the other side, after so many whole turns that radians would round them away.
+    many, one = (turned(np.array([0.2, 0.5, 0.8]), yaw_deg) for yaw_deg in (1e16, -80.0))
+    np.testing.assert_allclose(many, one, atol=1e-12)
 
 
 def test_panorama_positions_and_directions_are_each_others_inverse():

@@ -84,6 +84,14 @@ def test_it_does_not_matter_where_a_panorama_has_its_seam(cornea, rows):
     np.testing.assert_allclose(mirrored_light(cornea, OPEN, behind, -180.0), seen, atol=2e-3 * seen.max())
 
 
+def test_eyes_mirror_a_light_that_was_turned_many_times_where_it_is(cornea):
+    aside = lamp((-np.sin(np.radians(80)), 0.3, np.cos(np.radians(80))))
+    seen = mirrored_light(cornea, OPEN, aside, -80.0)
+    assert seen.max() > 1
+    # Of turns by 360 degrees 2,777,778.
+    np.testing.assert_allclose(mirrored_light(cornea, OPEN, aside, 1e9), seen, rtol=1e-5, atol=1e-5)
+
+
 def test_it_follows_a_turn_of_the_light(cornea):
     turned = mirrored_light(cornea, OPEN, lamp((0, 0.3, 1)), -40.0)
     angle = np.radians(-40)

@@ -8,6 +8,7 @@ are finer than any estimate of that light.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from hashlib import blake2b
@@ -197,7 +198,9 @@ def mirrored_light(cornea: Cornea, eye: LitEye, environment: Environment, yaw_de
         yaw_deg: its rotation.
     """
     across, down = cornea.mirrored_places
-    radiance = _looked_up(_mirrored_by(cornea, environment), across - np.float32(yaw_deg / 360), down)
+    # Of many turns single precision leaves no part of one.
+    turn = np.float32(math.remainder(yaw_deg, 360.0) / 360)
+    radiance = _looked_up(_mirrored_by(cornea, environment), across - turn, down)
     share = cornea.reflectance * _looked_up(eye.seen, across, down)
     finely = share[..., None] * np.maximum(radiance - eye.evenly, 0)
     size = len(cornea.bare)
