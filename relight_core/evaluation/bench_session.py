@@ -164,6 +164,8 @@ def replay(
     """
     for one in filter(None, (relighter, thorough)):
         one.set_portrait(photo)
+    # What is kept of the lights of a session before, on the same photo, is not this one's saving.
+    relighter.forget_lights()
     seen: dict[str, float] = {}
     for number, (light, edit) in enumerate(session):
         relit = relighter.relight(light, edit)

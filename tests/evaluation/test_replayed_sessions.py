@@ -61,6 +61,13 @@ def test_a_stage_that_has_run_once_counts_in_every_update_by_what_it_last_took()
     assert savings.compared == 0
 
 
+def test_a_session_saves_nothing_by_the_lights_of_the_one_before():
+    relighter = Answering(answer(), answer())
+    for _ in range(2):
+        replay(relighter, None, "a photo", [(some_light(), Edit())], Savings())
+    assert relighter.asked == ["forget", Edit()] * 2
+
+
 def test_what_the_plan_gives_a_bound_for_is_always_compared_and_of_the_rest_some():
     bounds = {1: (0.5,), 5: (0.0,)}
     relighter = Answering(*(answer(bounds=bounds.get(number, ())) for number in range(8)))
