@@ -108,6 +108,12 @@ class History:
         return self._present
 
     @property
+    def has_turned(self) -> bool:
+        """Whether the newest undo, redo or jump led to another rotation of the light."""
+        left, now = (self.steps[index].document.edit.yaw_deg for index in (self.left, self.at))
+        return left != now
+
+    @property
     def is_ahead(self) -> bool:
         """Whether there is a change that is no step yet, as a photo that is still being read."""
         if self.at < 0 or self._present is None:

@@ -203,11 +203,13 @@ class EditorState:
     def restore(self, document: Document | None) -> None:
         """Put a step of the history back, as undo does; None changes nothing.
 
-        Where its photo or its light turns out to be gone, everything comes back as it was before.
+        Where its photo or its light turns out to be gone, everything comes back as it was before. A light that plays
+        and is turned back by it turns no further.
         """
         if document is None:
             return
         self.asking.level = None
+        self.playing = self.playing and not self.history.has_turned
         step = self.undoing.step if self.undoing else self.history.left
         note_left(self)
         self.put_back(document)

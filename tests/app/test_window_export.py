@@ -93,7 +93,9 @@ def test_layers_are_chosen_in_a_list_that_escape_closes_before_anything_else(ope
     assert state.message() is None
 
 
-@pytest.mark.parametrize(("typed", "name"), [("best v1.5", "best v1.5.png"), ("best.jpg", "best.jpg")])
+@pytest.mark.parametrize(
+    ("typed", "name"), [("best v1.5", "best v1.5.png"), ("best.jpg", "best.jpg"), ("best/../me.png", "me.png")]
+)
 def test_the_tooltip_of_the_name_says_where_the_picture_goes(opened, photo_path, monkeypatch, typed, name):
     told = []
     monkeypatch.setattr(imgui, "set_item_tooltip", told.append)

@@ -27,3 +27,21 @@ def test_a_light_that_was_put_back_turns_no_further(opened):
     opened.key(glfw.KEY_R, ctrl=True)
     opened.frames(3)
     assert (state.playing, state.edit.yaw_deg) == (False, 0.0)
+
+
+def test_a_turn_that_is_undone_ends_the_playing_and_any_other_step_does_not(opened):
+    state = opened.window.state
+    state.change(yaw_deg=40.0)
+    opened.settle()
+    state.change(shadow=0.3)
+    opened.settle()
+    state.playing = True
+    opened.frames(3)
+    for playing in (True, False):
+        opened.hold(glfw.KEY_Z, glfw.MOD_CONTROL)
+        opened.release(glfw.KEY_Z)
+        assert state.playing == playing
+    opened.frames(3)
+    assert (state.edit.yaw_deg, state.edit.shadow) == (0.0, 1.0)
+    opened.key(glfw.KEY_Y, ctrl=True)
+    assert (state.edit.yaw_deg, state.edit.shadow) == (40.0, 1.0)
