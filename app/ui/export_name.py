@@ -78,8 +78,8 @@ def suggested_name(state: EditorState) -> str:
 
 
 def export_place(state: EditorState, suffix: str | None = None) -> Path:
-    """Where the next picture of the open photo goes, as a whole path, without a number; as of `named_place`."""
-    return named_place(state.export_path, suggested_place(state), suffix)
+    """Where the next picture of the open photo goes, as a full path, without a number; as of `named_place`."""
+    return full_path(named_place(state.export_path, suggested_place(state), suffix))
 
 
 def choose_form(state: EditorState, suffix: str) -> None:
@@ -104,8 +104,9 @@ def take_named_form(state: EditorState) -> None:
 
 def export_to(state: EditorState, path: Path) -> None:
     """Let the next export go there, as the kind of file the name says; beside the photo a name alone is kept."""
-    folder, full = suggested_place(state).parent, full_path(path)
-    state.export_path = path.name if folder in (path.parent, full.parent) else str(full)
+    beside, full = suggested_place(state), full_path(path)
+    folders = beside.parent, full_path(beside).parent
+    state.export_path = path.name if path.parent in folders or full.parent in folders else str(full)
     take_named_form(state)
 
 
