@@ -7,6 +7,7 @@ import secrets
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -138,10 +139,7 @@ def write_relit(
     """
     is_exr = settings.form == ".exr"
     if is_exr and (settings.layers or settings.longest_side is not None):
-        step(0, 2)
-        layers = photo_layers(relit, settings.layers, settings.longest_side)
-        step(1, 2)
-        write_exr_layers(path, layers, half=not settings.deep, header=note)
+        _write_layers(path, relit, settings, note, step)
         return
     # Radiance carries no exposure; what the file says of it is enough.
     exposure_ev, icc = 0.0 if is_exr else exposure_ev, photo.icc if settings.profile == "photo" else None
@@ -153,6 +151,20 @@ def write_relit(
         return
     image, alpha = shrunk_picture(relit, settings.longest_side, wide=wide)
     write_bands(path, image.shape[:2], cut(image, alpha), alpha is not None, style)
+
+
+def _write_layers(
+    path: Path,
+    relit: RelitLike,
+    settings: ExportSettings,
+    note: dict[str, str | float],
+    step: Callable[[int, int], None],
+) -> None:
+    """An EXR of the picture and its layers; to write it counts as much as to make them."""
+    done, total = count(), 2 * (1 + len(settings.layers))
+    step(next(done), total)
+    layers = photo_layers(relit, settings.layers, settings.longest_side, lambda: step(next(done), total))
+    write_exr_layers(path, layers, half=not settings.deep, header=note)
 
 
 def _counted(bands: Bands, height: int, step: Callable[[int, int], None]) -> Bands:

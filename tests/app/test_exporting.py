@@ -150,6 +150,23 @@ def test_an_export_says_how_far_it_is_and_one_that_is_cancelled_leaves_nothing(p
     assert [path.name for path in tmp_path.iterdir()] == [f"out{form}"]
 
 
+def test_an_export_of_layers_says_how_far_it_is_after_each_and_one_that_is_cancelled_leaves_nothing(picture, tmp_path):
+    def step(done, total):
+        told.append(done / total)
+        if done / total == cancel_at:
+            raise Cancelled
+
+    told, cancel_at = [], None
+    picture.relit.full, picture.relit.window, picture.relit.channels_together = None, None, list
+    job = ExportJob(picture, 0.0, tmp_path / "out.exr", ExportSettings(".exr", layers=("albedo", "matte", "shadow")))
+    export(job, step)
+    assert told == [0.0, 0.125, 0.25, 0.375, 0.5]
+    cancel_at = 0.25
+    with pytest.raises(Cancelled):
+        export(job, step)
+    assert [path.name for path in tmp_path.iterdir()] == ["out.exr"]
+
+
 def test_a_card_is_shown_for_an_export_only_where_it_takes_its_time():
     quick, long = JobStatus("Export", 150, 200, 0.1), JobStatus("Export", 50, 200, 4.0)
     assert not progress_card._takes_time(quick)

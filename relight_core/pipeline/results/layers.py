@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import cv2
@@ -23,13 +23,16 @@ LAYERS = (*CHANNEL_LAYERS, "matte", "background")
 networks reaches, and all but the composition where it shows no person."""
 
 
-def photo_layers(relit: Relit, names: Iterable[str], longest_side: int | None = None) -> dict[str, np.ndarray]:
+def photo_layers(
+    relit: Relit, names: Iterable[str], longest_side: int | None = None, made: Callable[[], None] = lambda: None
+) -> dict[str, np.ndarray]:
     """The picture as "RGB" or, with its alpha multiplied in, "RGBA", and the named layers.
 
     Args:
         relit: what to take apart.
         names: of LAYERS; those the Relit does not have are left out.
         longest_side: pixels; smaller pictures stay as they are, None keeps the photo's size.
+        made: called after the picture and after each name; what it raises ends the work.
 
     Returns:
         arrays (H, W), (H, W, 3) or (H, W, 4), float32 linear; "normal" in camera space, unit length on the
@@ -49,10 +52,12 @@ def photo_layers(relit: Relit, names: Iterable[str], longest_side: int | None = 
     if alpha is not None:
         layers = {"RGBA": at_size(np.dstack([image * alpha[..., None], alpha]), size)}
     faces = _faces(relit) if set(wanted) & set(CHANNEL_LAYERS) else []
+    made()
     for name in wanted:
         layer = _beside(relit, name, size) if name in ("matte", "background") else _channel(relit, faces, name, size)
         if layer is not None:
             layers[name] = layer
+        made()
     return layers
 
 
