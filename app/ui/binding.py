@@ -74,7 +74,7 @@ class Binding:
         self._cursors: dict[int, object] = {}
         self._cursor = glfw.ARROW_CURSOR
         self._held = {modifier: False for _, modifier, _ in _MODIFIERS}
-        self._pressed = self._moved = self._clicked = False
+        self._pressed = self._wheeled = self._moved = self._clicked = False
         self._later: list[_Event] = []
         self.fonts: Fonts = load_fonts()
         apply_theme(scale)
@@ -86,10 +86,15 @@ class Binding:
     def key(self, key: int, action: int, mods: int) -> None:
         """A glfw key event; a letter counts as what the keyboard's layout has on that key.
 
-        A modifier let go in the frame in which a key was pressed would make a quick Ctrl + Z a Z.
+        A modifier let go in the frame in which a key was pressed would make a quick Ctrl + Z a Z, and in that in which
+        the wheel was turned, its zoom a turn of the light.
         """
         event = _as_labelled(key), action, mods
-        self._take(_Event(lambda: self._feed(*event), lambda: self._pressed and self._modifiers(*event) != self._held))
+
+        def waits() -> bool:
+            return (self._pressed or self._wheeled) and self._modifiers(*event) != self._held
+
+        self._take(_Event(lambda: self._feed(*event), waits))
 
     def _take(self, event: _Event) -> None:
         if self._later or event.waits():
@@ -147,7 +152,12 @@ class Binding:
 
     def wheel(self, dx: float, dy: float) -> None:
         """The wheel, in steps."""
-        self._take(_Event(lambda: self._io.add_mouse_wheel_event(dx, dy)))
+
+        def feed() -> None:
+            self._io.add_mouse_wheel_event(dx, dy)
+            self._wheeled = True
+
+        self._take(_Event(feed))
 
     def focus(self, has_focus: bool) -> None:
         """The window gained or lost the keyboard; keys held then are let go."""
@@ -188,7 +198,7 @@ class Binding:
         imgui.new_frame()
         if not self._context.input_events_queue.size():
             # What Dear ImGui left of this frame's events, as a movement after a key, is part of the next.
-            self._pressed = self._moved = self._clicked = False
+            self._pressed = self._wheeled = self._moved = self._clicked = False
         waiting, self._later = self._later, []
         for event in waiting:
             self._take(event)

@@ -88,3 +88,20 @@ def test_the_number_pad_shows_pictures_and_answers(opened):
     state.asking.ask(Question("asked", "A question.", (("Yes", lambda: given.append("Yes")),)))
     opened.key(glfw.KEY_KP_ENTER)
     assert given == ["Yes"]
+
+
+def test_ctrl_that_is_let_go_in_the_frame_of_the_wheel_still_makes_it_a_zoom(opened):
+    window = opened.window
+    opened.move(opened.centre())
+    opened.hold(glfw.KEY_LEFT_CONTROL)
+    window.on_wheel(None, 0.0, 1.0)
+    window.on_wheel(None, 0.0, 1.0)
+    window.on_key(None, glfw.KEY_LEFT_CONTROL, 0, glfw.RELEASE, glfw.MOD_CONTROL)
+    opened.frames(4)
+    zoomed = window.state.view
+    assert (zoomed.zoom > 1.2, window.state.edit.yaw_deg) == (True, 0.0)
+    window.on_wheel(None, 0.0, 1.0)
+    window.on_key(None, glfw.KEY_LEFT_CONTROL, 0, glfw.PRESS, 0)
+    opened.frames(4)
+    assert window.state.view == zoomed
+    assert window.state.edit.yaw_deg != 0.0
