@@ -180,11 +180,17 @@ class Autosave:
         except Exception as error:
             # Nobody looks at what becomes of the writing, so whatever goes wrong has to be told from here.
             file.failed = True
-            self.problem = str(error) or type(error).__name__
+            self.problem = _in_words(error)
             _log.warning("work is not kept for recovery: %s", error)
         else:
             file.failed = False
             self.problem = None
+
+
+def _in_words(error: Exception) -> str:
+    if isinstance(error, OSError) and error.filename is not None and error.strerror:
+        return f"{error.filename}: {error.strerror.lower()}"
+    return str(error) or type(error).__name__
 
 
 class RunLock:

@@ -214,7 +214,12 @@ def test_work_on_a_file_whose_name_is_no_text_is_kept_and_comes_back(autosave, d
 
 
 @pytest.mark.parametrize(
-    ("error", "told"), [(ValueError("no such thing"), "no such thing"), (MemoryError(), "MemoryError")]
+    ("error", "told"),
+    [
+        (ValueError("no such thing"), "no such thing"),
+        (MemoryError(), "MemoryError"),
+        (PermissionError(13, "Permission denied", "/home/me"), "/home/me: permission denied"),
+    ],
 )
 def test_whatever_stops_the_writing_is_a_problem_that_is_told(autosave, document, monkeypatch, error, told):
     def fail(*_, **__):
