@@ -2,15 +2,16 @@
 
 import itertools
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import glfw
 import pytest
 from imgui_bundle import imgui
-from window_hand import PANORAMA_WIDTH, PANORAMA_X, STRIPS, TOOLBAR
+from window_hand import EFFECTS_PANEL, LIGHT_PANEL, PANORAMA_WIDTH, PANORAMA_X, STRIPS, TOOLBAR
 
 from app.engine.snapshot import Snapshot
-from app.engine.sources import LightSource
+from app.engine.sources import LightSource, PhotoSource
 from app.ui import theme
 from app.ui.asking import Question
 from app.ui.panels import panorama
@@ -112,6 +113,23 @@ def test_what_runs_for_a_light_ends_within_the_panorama(opened, monkeypatch):
     opened.frames(1)
     assert ends
     assert all(words.endswith("…") and end <= PANORAMA_X + PANORAMA_WIDTH for words, end in ends)
+
+
+def test_the_name_of_a_first_photo_that_is_being_read_ends_within_the_viewport(hand, monkeypatch):
+    state, widths, centred = hand.window.state, [], viewport_notes._centred
+
+    def noted(words, x, *rest):
+        widths.append((words[-6:], imgui.calc_text_size(words).x))
+        centred(words, x, *rest)
+
+    monkeypatch.setattr(viewport_notes, "_centred", noted)
+    state.photo = PhotoSource(Path("x.jpg"))
+    state.snapshot = replace(state.snapshot, activity=f"Opening {'x' * 240}.jpg")
+    monkeypatch.setattr(hand.window.engine, "snapshot", lambda: state.snapshot)
+    hand.frames(1)
+    ((end, width),) = widths
+    assert end == "xxxxx…"
+    assert width < hand.width - LIGHT_PANEL - EFFECTS_PANEL
 
 
 @pytest.mark.parametrize("key", [glfw.KEY_I, glfw.KEY_T])

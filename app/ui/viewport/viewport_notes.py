@@ -145,7 +145,8 @@ def invitation(state: EditorState, fonts: theme.Fonts, rect: Rect) -> bool:
     if pointed_at:
         imgui.set_mouse_cursor(imgui.MouseCursor_.hand)
     imgui.push_font(fonts.regular, 1.5 * theme.FONT_PX)
-    _centred(f"{busy}…" if busy else "Drop a portrait here", middle_x, middle_y - 3.6 * em, theme.TEXT)
+    words = widgets.shortened(f"{busy}…" if busy else "Drop a portrait here", rect.width - 2.2 * em)
+    _centred(words, middle_x, middle_y - 3.6 * em, theme.TEXT)
     imgui.pop_font()
     if not busy:
         corner = imgui.ImVec2(middle_x - reach_x, middle_y - reach_y)
