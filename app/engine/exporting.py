@@ -161,10 +161,11 @@ def _write_layers(
     step: Callable[[int, int], None],
 ) -> None:
     """An EXR of the picture and its layers; to write it counts as much as to make them."""
-    done, total = count(), 2 * (1 + len(settings.layers))
-    step(next(done), total)
-    layers = photo_layers(relit, settings.layers, settings.longest_side, lambda: step(next(done), total))
-    write_exr_layers(path, layers, half=not settings.deep, header=note)
+    made, parts = count(), 1 + len(settings.layers)
+    step(next(made), 2 * parts)
+    layers = photo_layers(relit, settings.layers, settings.longest_side, lambda: step(next(made), 2 * parts))
+    how = {"half": not settings.deep, "header": note}
+    write_exr_layers(path, layers, **how, step=lambda row, rows: step(rows + row, 2 * rows))
 
 
 def _counted(bands: Bands, height: int, step: Callable[[int, int], None]) -> Bands:

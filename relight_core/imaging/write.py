@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import zlib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -209,8 +209,9 @@ def write_exr_layers(
     *,
     half: bool = True,
     header: dict[str, str | float | int] | None = None,
+    step: Callable[[int, int], None] = lambda row, rows: None,
 ) -> None:
-    """Write named layers into one EXR file, ZIP-compressed.
+    """Write named layers into one EXR file, ZIP-compressed, band by band.
 
     "RGB" or "RGBA" becomes the channels R, G, B (, A), alpha being multiplied in by convention; a layer
     "albedo" of 3 or 4 channels becomes albedo.R, albedo.G, ...; one of 1 channel keeps its bare name.
@@ -221,6 +222,7 @@ def write_exr_layers(
         half: 16-bit floats, with values limited to +-65504 where they would become infinite; else 32-bit.
             NaN becomes 0 in both.
         header: attributes to add; numpy scalars are converted and None left out.
+        step: told before each band how many rows are done, of how many; what it raises leaves no file.
 
     Raises:
         InputError: another extension, or a place that can't be written.
@@ -230,11 +232,14 @@ def write_exr_layers(
     if path.suffix.lower() != ".exr":
         raise InputError(f"{path}: layers need an EXR file; name a .exr file")
     kind = np.float16 if half else np.float32
-    arrays = {name: exr.limited(_layer(name, array), kind) for name, array in layers.items()}
-    if len({array.shape[:2] for array in arrays.values()}) != 1:
+    names = [channel for name, array in layers.items() for channel in _channel_names(name, np.shape(array))]
+    sizes = {np.shape(array)[:2] for array in layers.values()}
+    if len(sizes) != 1:
         raise ValueError("layers of one EXR have one size, and there is at least one")
+    (size,) = sizes
+    coded = in_order(partial(_coded_layers, list(layers.values()), kind), _strips(size[0], step))
     with whole_file(path) as beside:
-        exr.write_channels(beside, arrays, header=_attributes(header or {}))
+        exr.write_rows(beside, size, names, kind, coded, _attributes(header or {}))
 
 
 def _checked(linear: np.ndarray, alpha: np.ndarray | None) -> tuple[np.ndarray, np.ndarray | None]:
@@ -313,13 +318,26 @@ def _tiff(pixels: np.ndarray, icc: bytes | None, exif: bytes | None) -> bytes:
     return with_exif(buffer.getvalue(), exif)
 
 
-def _layer(name: str, array: np.ndarray) -> np.ndarray:
-    array = np.nan_to_num(np.asarray(array, np.float32), nan=0.0, posinf=np.inf, neginf=-np.inf)
-    if array.ndim == 3 and array.shape[2] == 1:
-        array = array[..., 0]
-    if array.ndim not in (2, 3) or (array.ndim == 3 and array.shape[2] not in (3, 4)) or 0 in array.shape:
-        raise ValueError(f"layer '{name}' is (H, W) or (H, W, 1, 3 or 4), not {array.shape}")
-    return array
+def _channel_names(layer: str, shape: tuple[int, ...]) -> list[str]:
+    """What the channels of a layer are called in a file."""
+    if len(shape) not in (2, 3) or (len(shape) == 3 and shape[2] not in (1, 3, 4)) or 0 in shape:
+        raise ValueError(f"layer '{layer}' is (H, W) or (H, W, 1, 3 or 4), not {shape}")
+    if len(shape) == 2 or shape[2] == 1:
+        return [layer]
+    letters = "RGBA"[: shape[2]]
+    return list(letters) if layer in ("RGB", "RGBA") else [f"{layer}.{letter}" for letter in letters]
+
+
+def _strips(height: int, step: Callable[[int, int], None]) -> Iterator[slice]:
+    for top in range(0, height, _STRIP_ROWS):
+        step(top, height)
+        yield slice(top, min(top + _STRIP_ROWS, height))
+
+
+def _coded_layers(layers: Sequence[np.ndarray], kind: type, rows: slice) -> np.ndarray:
+    """Some rows of all layers as the file has them, channel beside channel."""
+    band = np.dstack([np.asarray(layer[rows], np.float32) for layer in layers])
+    return exr.limited(np.nan_to_num(band, copy=False, nan=0.0, posinf=np.inf, neginf=-np.inf), kind)
 
 
 def _attributes(notes: dict[str, object]) -> dict[str, str | float | int]:

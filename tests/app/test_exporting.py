@@ -158,12 +158,14 @@ def test_an_export_of_layers_says_how_far_it_is_after_each_and_one_that_is_cance
 
     told, cancel_at = [], None
     picture.relit.full, picture.relit.window, picture.relit.channels_together = None, None, list
+    picture.relit.image = np.full((128, 6, 3), 0.5, np.float32)
     job = ExportJob(picture, 0.0, tmp_path / "out.exr", ExportSettings(".exr", layers=("albedo", "matte", "shadow")))
     export(job, step)
-    assert told == [0.0, 0.125, 0.25, 0.375, 0.5]
-    cancel_at = 0.25
-    with pytest.raises(Cancelled):
-        export(job, step)
+    assert told == [0.0, 0.125, 0.25, 0.375, 0.5, 0.5, 0.75]
+    for share in (0.25, 0.75):
+        cancel_at = share
+        with pytest.raises(Cancelled):
+            export(job, step)
     assert [path.name for path in tmp_path.iterdir()] == ["out.exr"]
 
 

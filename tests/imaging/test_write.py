@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from relight_core.errors import InputError
-from relight_core.imaging.read import read_photo
+from relight_core.imaging.read import read_photo, read_radiance
 from relight_core.imaging.write import FileStyle, write_bands, write_exr_layers, write_image
 
 RNG = np.random.default_rng(0)
@@ -255,7 +255,8 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path, name, mon
     assert len(list(tmp_path.iterdir())) == 1
 
 
-def test_a_full_disk_is_told_without_the_hidden_file_that_an_exr_is_first_written_to(tmp_path, monkeypatch):
+@pytest.mark.parametrize("write", [write_image, lambda path, linear: write_exr_layers(path, {"RGB": linear})])
+def test_a_full_disk_is_told_without_the_hidden_file_that_an_exr_is_first_written_to(tmp_path, monkeypatch, write):
     class FullFile:
         def __init__(self, path, _):
             self.path = path
@@ -268,18 +269,7 @@ def test_a_full_disk_is_told_without_the_hidden_file_that_an_exr_is_first_writte
 
     monkeypatch.setattr(OpenEXR, "OutputFile", FullFile)
     with pytest.raises(InputError) as refusal:
-        write_image(tmp_path / "a.exr", LINEAR)
-    assert "(no space left on device)" in str(refusal.value)
-    assert ".part" not in str(refusal.value)
-
-
-def test_a_full_disk_is_told_where_the_layers_of_an_exr_do_not_fit(tmp_path, monkeypatch):
-    def full(_, path):
-        raise RuntimeError(f'Failed to write pixel data to image file "{path}". No space left on device.')
-
-    monkeypatch.setattr(OpenEXR.File, "write", full)
-    with pytest.raises(InputError) as refusal:
-        write_exr_layers(tmp_path / "a.exr", {"RGB": LINEAR})
+        write(tmp_path / "a.exr", LINEAR)
     assert "(no space left on device)" in str(refusal.value)
     assert ".part" not in str(refusal.value)
 
@@ -306,7 +296,33 @@ def test_a_fault_while_the_picture_is_made_is_no_fault_of_the_place(tmp_path, na
     assert list(tmp_path.iterdir()) == []
 
 
-def test_two_threads_that_write_exr_files_leave_the_streams_alone(tmp_path, monkeypatch):
+def test_layers_are_written_band_by_band_and_each_is_told_before(tmp_path):
+    told, tall = [], np.arange(150 * 4, dtype=np.float32).reshape(150, 4)
+    write_exr_layers(
+        tmp_path / "a.exr", {"RGB": np.dstack([tall] * 3), "shadow": tall}, half=False, step=lambda *at: told.append(at)
+    )
+    assert told == [(0, 150), (64, 150), (128, 150)]
+    channels = channels_of(tmp_path / "a.exr")
+    for name in ("R", "G", "B", "shadow"):
+        np.testing.assert_array_equal(channels[name], tall)
+
+
+def test_a_file_is_read_while_layers_are_written(tmp_path):
+    """What keeps a library's messages off the streams is held by one thread at a time, and a large file takes long."""
+    write_image(tmp_path / "light.exr", LINEAR)
+    read = []
+
+    def step(_row, _rows):
+        reader = threading.Thread(target=lambda: read.append(read_radiance(tmp_path / "light.exr")))
+        reader.start()
+        reader.join(timeout=5)
+        assert read
+
+    write_exr_layers(tmp_path / "a.exr", {"RGB": LINEAR}, step=step)
+    assert read[0].shape == LINEAR.shape
+
+
+def test_two_threads_that_read_exr_files_leave_the_streams_alone(tmp_path, monkeypatch):
     """The library's own messages are kept off them, for the whole process at once."""
     both_inside, first_done, real = threading.Barrier(2), threading.Event(), OpenEXR.File
 
@@ -317,13 +333,15 @@ def test_two_threads_that_write_exr_files_leave_the_streams_alone(tmp_path, monk
             first_done.wait(timeout=5)
         return real(*arguments, **options)
 
-    def write(name):
-        write_exr_layers(tmp_path / name, {"RGB": LINEAR})
+    def read(name):
+        read_radiance(tmp_path / name)
         first_done.set()
 
+    for name in ("a.exr", "b.exr"):
+        write_image(tmp_path / name, LINEAR)
     monkeypatch.setattr(OpenEXR, "File", file)
     streams = sys.stdout, os.fstat(2).st_ino
-    first, second = (threading.Thread(target=write, args=(name,)) for name in ("a.exr", "b.exr"))
+    first, second = (threading.Thread(target=read, args=(name,)) for name in ("a.exr", "b.exr"))
     for thread in (first, second):
         thread.start()
     for thread in (first, second):

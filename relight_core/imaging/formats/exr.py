@@ -129,32 +129,15 @@ def _read_rows(path: Path, header: dict, names: Sequence[str]) -> np.ndarray:
     return values
 
 
-def write_channels(path: Path, layers: dict[str, np.ndarray], *, header: dict) -> None:
-    """Write named layers, ZIP-compressed scanlines, to exactly this path.
-
-    Args:
-        path: overwritten.
-        layers: (H, W) or (H, W, 3 or 4) float16 or float32 arrays; "RGB" and "RGBA" are the main layer.
-        header: attributes beside the standard ones: str, int or float.
-
-    Raises:
-        OSError: the library can't write there.
-    """
-    attributes = {**header, "compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
-    channels = {name: np.ascontiguousarray(array) for name, array in layers.items()}
-    with _refusal_as_os_error(), quiet(), OpenEXR.File(attributes, channels) as file:
-        file.write(_spelt(path))
-
-
 def write_rows(
-    path: Path, size: tuple[int, int], names: str, kind: type, bands: Iterable[np.ndarray], header: dict
+    path: Path, size: tuple[int, int], names: Sequence[str], kind: type, bands: Iterable[np.ndarray], header: dict
 ) -> None:
-    """Write the main layer band by band, ZIP-compressed scanlines, to exactly this path; nothing is held whole.
+    """Write channels band by band, ZIP-compressed scanlines, to exactly this path; nothing is held whole.
 
     Args:
         path: overwritten.
         size: (height, width).
-        names: "RGB" or "RGBA".
+        names: of the channels, the main layer's being letters of "RGBA".
         kind: float16 or float32.
         bands: arrays (h, width, len(names)) of that type, from the top down.
         header: attributes beside the standard ones: str, int or float.
