@@ -75,12 +75,17 @@ def _group(fonts: theme.Fonts, title: str, rows: list[tuple[str, str]], width: f
     left = imgui.get_cursor_pos_x()
     imgui.push_style_var(imgui.StyleVar_.item_spacing, imgui.ImVec2(0.5 * em, 0.18 * em))
     for keys, words in rows:
-        _wrapped(keys, left + _KEYS_SHARE * width - 0.5 * em, theme.TEXT)
+        _wrapped(_unbroken(keys), left + _KEYS_SHARE * width - 0.5 * em, theme.TEXT)
         imgui.same_line()
         imgui.set_cursor_pos_x(left + _KEYS_SHARE * width)
         _wrapped(words, left + width - em, theme.DIM)
     imgui.pop_style_var()
     imgui.dummy(imgui.ImVec2(1.0, 0.5 * em))
+
+
+def _unbroken(keys: str) -> str:
+    """Keys of which a line may end between two ways to press something, but not amid one."""
+    return keys.replace(" + ", "\N{NO-BREAK SPACE}+\N{NO-BREAK SPACE}")
 
 
 def _wrapped(words: str, right: float, colour: theme.Colour) -> None:
