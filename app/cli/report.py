@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from app.cli.streams import Heedless, flush_said, say, tell
+from relight_core.errors import without_controls
 from relight_core.pipeline.cache import computed_ms
 from relight_core.pipeline.edit import Edit
 
@@ -29,9 +30,9 @@ class Report:
         self._page: str | None = None
 
     def line(self, text: str) -> None:
-        """Print a line for people."""
+        """Print a line for people, and one alone, whatever the names of files in it hold."""
         if not self._as_json:
-            say(text)
+            say(without_controls(text))
 
     def record(self, record: dict) -> None:
         """Keep the object for programs; it is printed when the command ends, be it because something fails later."""

@@ -22,7 +22,9 @@ def run(arguments: argparse.Namespace) -> int:
         rigs = [(name, read_bundled_rig(name)) for name in rig_names()]
         width = max(len(name) for name, _ in rigs) + 2
         for name, rig in rigs:
-            text = textwrap.fill(rig.description, 100 - width, subsequent_indent=" " * width)
-            report.line(f"{name:<{width}}{text}")
+            first, *others = textwrap.wrap(rig.description, 100 - width) or [""]
+            report.line(f"{name:<{width}}{first}")
+            for line in others:
+                report.line(" " * width + line)
         report.record({"rigs": [{"name": n, "title": r.title, "description": r.description} for n, r in rigs]})
     return 0

@@ -55,6 +55,18 @@ def test_a_folder_is_relit_past_its_bad_file_and_resumed(relighter, folder, tmp_
     assert [os.path.basename(path) for path in record["kept"]] == ["a.png"]
 
 
+@pytest.mark.skipif(os.name == "nt", reason="names there have no line ends")
+def test_a_photo_whose_name_breaks_its_line_is_told_of_in_one(relighter, folder, tmp_path, capsys):
+    (folder / "bad.jpg").unlink()
+    (folder / "b.png").rename(folder / "b\n\x1b[31m.png")
+    for word, more in (("wrote", ()), ("kept", ("--resume",))):
+        assert render(folder, tmp_path, *more) == 0
+        told = [line for line in capsys.readouterr().out.splitlines() if word in line]
+        assert len(told) == 2
+        assert "b\N{REPLACEMENT CHARACTER}\N{REPLACEMENT CHARACTER}[31m.png" in told[1]
+    assert (tmp_path / "out" / "b\n\x1b[31m.png").exists()
+
+
 def test_an_empty_folder_is_told(relighter, tmp_path, capsys):
     (tmp_path / "empty").mkdir()
     assert render(tmp_path / "empty", tmp_path) == 2
