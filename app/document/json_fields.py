@@ -231,7 +231,7 @@ def path_from_file(text: str, folder: Path, suffixes: tuple[str, ...], where: st
     try:
         regular = stat.S_ISREG(os.stat(path).st_mode)
     except (OSError, ValueError):
-        raise NotThereError(f"{where}: {path} is not there; move it back, or open it by itself") from None
+        raise NotThereError(f"{where}: {path} is not there; move it back, or mend the file's paths") from None
     if not regular:
         raise InputError(f"{where}: {path} is not a regular file; mend the file's paths")
     if path.suffix.lower() not in suffixes and not is_picture_head(file_head(path)):

@@ -179,7 +179,7 @@ def test_what_is_no_ordinary_file_is_none_of_ours(path, tmp_path, notes):
 
 @pytest.mark.parametrize("text", ["./gone.jpg", "a\0b.jpg", "a\ud800.jpg", "x" * 5000])
 def test_a_name_of_no_file_is_told_as_not_there(tmp_path, text):
-    with pytest.raises(NotThereError):
+    with pytest.raises(NotThereError, match=r"^here: .* is not there; move it back, or mend the file's paths$"):
         path_from_file(text, tmp_path, (".jpg",), "here")
 
 
