@@ -166,15 +166,19 @@ def _block_sums(radiance: np.ndarray, overlaps: np.ndarray, columns: int = 1) ->
 
 
 def _evenly_shrunk_rows(radiance: np.ndarray, height: int) -> np.ndarray:
-    """(H, W, C) to (height, W, C) float64; rows that are lower than a new one are first spread to its height."""
+    """(H, W, C) to (height, W, C) float64; rows that are lower than a new one are first spread to its height.
+
+    Beyond a pole a meridian goes on as the opposite one.
+    """
     if radiance.shape[0] <= height:
         return _shrink_rows(radiance, height)
-    return _block_sums(radiance, _spread_row_overlaps(radiance.shape[0], height))
+    before, beyond = (_block_sums(radiance, overlaps) for overlaps in _spread_row_overlaps(radiance.shape[0], height))
+    return before + np.roll(beyond, radiance.shape[1] // 2, axis=1)
 
 
 @lru_cache(maxsize=16)
-def _spread_row_overlaps(height: int, new_height: int) -> np.ndarray:
-    """As `_row_overlaps`, with old rows that are spread to the height of a new one and reflected at the poles.
+def _spread_row_overlaps(height: int, new_height: int) -> tuple[np.ndarray, np.ndarray]:
+    """As `_row_overlaps`, with old rows spread to the height of a new one: what lies before the poles, and beyond them.
 
     The weights are balanced until even light stays even and no row loses energy (Sinkhorn and Knopp, 1967).
     """
@@ -182,12 +186,15 @@ def _spread_row_overlaps(height: int, new_height: int) -> np.ndarray:
     middles = (np.arange(height) + 0.5) * np.pi / height
     centres = np.concatenate([middles, -middles, 2 * np.pi - middles])
     overlaps = np.minimum(centres + half, edges[1:, None]) - np.maximum(centres - half, edges[:-1, None])
-    energy = np.maximum(overlaps, 0.0).reshape(new_height, 3, height).sum(1)
+    parts = np.maximum(overlaps, 0.0).reshape(new_height, 3, height)
+    energy = parts.sum(1)
+    share_beyond = parts[:, 1:].sum(1) / np.maximum(energy, np.finfo(float).tiny)
     given, wanted = row_shares(height), row_shares(new_height)
     for _ in range(_BALANCINGS):
         energy *= (wanted / energy.sum(1))[:, None]
         energy *= given / energy.sum(0)
-    return energy / energy.sum(1, keepdims=True)
+    weights = energy / energy.sum(1, keepdims=True)
+    return weights * (1 - share_beyond), weights * share_beyond
 
 
 def _spread(rows: np.ndarray, new_width: int) -> np.ndarray:

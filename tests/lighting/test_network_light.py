@@ -70,6 +70,29 @@ def test_the_mean_direction_of_a_sun_is_right_to_a_tenth_of_a_texel(height, yaw_
     assert (share @ np.arange(32)) / share.sum() == pytest.approx(true_centre, abs=0.1)
 
 
+@pytest.mark.parametrize("height", [64, 256])
+@pytest.mark.parametrize("from_pole", [0.0, 0.01, 0.03, 0.06])
+@pytest.mark.parametrize("below", [False, True])
+def test_near_a_pole_it_is_too(height, from_pole, below):
+    row, column = int(from_pole * height), height // 3
+    row = height - 1 - row if below else row
+    light = network_light(Environment.from_radiance(lamp(height, row, column)))[..., 1].astype(float)
+
+    def toward(rows, columns, count):
+        polar, azimuth = (np.asarray(rows) + 0.5) * np.pi / count, (np.asarray(columns) + 0.5) * np.pi / count
+        return np.stack([np.sin(polar) * np.cos(azimuth), np.cos(polar), np.sin(polar) * np.sin(azimuth)], -1)
+
+    power = (light * solid_angles(16, 32))[..., None]
+    mean = (toward(*np.mgrid[:16, :32], 16) * power).sum((0, 1))
+    cosine = mean @ toward(row, column, height) / np.linalg.norm(mean)
+    assert np.degrees(np.arccos(np.clip(cosine, -1, 1))) < 1.125
+
+
+def test_a_sun_that_passes_over_the_zenith_does_not_leap():
+    before, after = (network_light(Environment.from_radiance(lamp(256, 0, column))) for column in (40, 40 + 256))
+    assert np.abs(before - after).max() < 0.2 * before.max()
+
+
 def test_network_light_moves_right_and_wraps():
     environment = Environment.from_radiance(lamp(64, 32, 126))
     columns = [network_light(environment, yaw)[..., 0].sum(0).argmax() for yaw in (0, 11.25, 90, -90, 360)]
