@@ -178,6 +178,7 @@ class FaceRelighter(FaceInPhoto):
             specular = specular_gain(gains.specular * plan.runs("specular"), gains.specular_tint, self._shop.device)
             effects = soften_shadow(lit.effects, ready.surface, lit.reflected, gains.shadow_softness)
             moved = move_sliders(lit.composed, ready.surface, lit.reflected, effects, specular, shadow)
+            moved = None if moved.is_none else moved
         fine = self._fine_edges(ready, lit, plan)
         edges = None if fine is None else fine.gain(shadow, gains.shadow_softness)
         change = enlarge_change(fit, moved, self._upsampler(ready), level, edges)

@@ -201,7 +201,7 @@ def parsed(surface, *parts):
     return surface
 
 
-@pytest.mark.parametrize("gains", [(0.0, 0.0), (2.0, 0.0), (1.0, 0.4), (0.3, 1.7), (2.0, 2.0), (1.0, 1.0)])
+@pytest.mark.parametrize("gains", [(0.0, 0.0), (2.0, 0.0), (1.0, 0.4), (0.3, 1.7), (2.0, 2.0), (1.0, 1.7), (1.0, 1.0)])
 def test_a_picture_that_is_the_explicit_sum_becomes_the_sum_at_the_sliders_gains(gains):
     """On a smooth surface, where nothing is too narrow to be lifted."""
     surface, reflected, effects = scene()
@@ -213,6 +213,7 @@ def test_a_picture_that_is_the_explicit_sum_becomes_the_sum_at_the_sliders_gains
     plain = explicit_sum(surface.albedo, reflected, effects)
     change = move_sliders(Composed(plain, plain), surface, reflected, effects, *gains)
     assert change.kept.max() <= 1
+    assert change.is_none == (gains == (1.0, 1.0))
     moved = plain * change.kept + change.added + change.lifted
     torch.testing.assert_close(moved, explicit_sum(surface.albedo, reflected, effects, *gains), rtol=0, atol=1.1e-3)
 

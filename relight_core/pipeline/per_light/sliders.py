@@ -49,6 +49,11 @@ class SliderChange:
     added: torch.Tensor
     lifted: torch.Tensor
 
+    @property
+    def is_none(self) -> bool:
+        """Whether the image stays as it is, as at gains of 1."""
+        return not (self.added.any() or self.lifted.any() or (self.kept < 1).any())
+
 
 @torch.inference_mode()
 def move_sliders(

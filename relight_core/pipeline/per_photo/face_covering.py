@@ -15,7 +15,7 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
-from relight_core.face.parsing import BROWS, EYES, FEWEST_PIXELS, INDEX, MOUTH, SURELY, share_of
+from relight_core.face.parsing import BROWS, EYES, FEWEST_PIXELS, INDEX, MOUTH, SURELY, likely, share_of
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.tensor_images import as_image, as_tensor, resized
@@ -94,7 +94,7 @@ def find_face_covering(surface: Surface) -> FaceCovering | None:
         return None
     (least, most), aside = _REACHES
     within = (below > least) & (below < most) & (across.abs() < aside)
-    covered = off * within * (surface.person - share_of(surface.parsing, _BESIDE))[0, 0].clamp_min(0)
+    covered = off * within * (surface.person * (1 - likely(share_of(surface.parsing, _BESIDE))))[0, 0]
     share = torch.from_numpy(_about(covered.cpu().numpy(), mouth.cpu().numpy())).to(seen)
     sure = share > SURELY
     if int(sure.sum()) < FEWEST_PIXELS:
