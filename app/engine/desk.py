@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from contextvars import copy_context
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -55,18 +56,22 @@ class Step:
         activity: what the status line says meanwhile.
         run: does it, and returns the snapshot after it.
         give_up: what stays in force if it fails, such that the same step is not next again.
+        is_superseded: whether a newer request makes it needless; it then stops where the library can stop, with
+            everything as it was before. A step that is soon done goes on to its end.
     """
 
     activity: str
     run: Callable[[Snapshot], Snapshot]
     give_up: Callable[[Snapshot], Snapshot]
+    is_superseded: Callable[[Request], bool] = lambda newer: False
 
 
 class Desk:
     """Holds the Relighter and decides what to do next. Used by one thread only.
 
     Steps are short enough to look at the newest request between them, which is what makes only the newest
-    count: a photo that was replaced while it was being decoded never reaches the networks.
+    count: a photo that was replaced while it was being decoded never reaches the networks. The search for faces, which
+    is not short, is told while it runs.
 
     Args:
         make_relighter: called when the networks are first needed.
@@ -106,12 +111,12 @@ class Desk:
             is_read = self._loading is not None and self._loading[0] is photo
             if is_read and now.light is None and light is not None and light.kind == "rig":
                 # Soon there, to be looked at while the networks load.
-                return self._toward_light(light)
+                return self._toward_light(request, light)
             return self._toward_photo(photo)
         if now.faces and self._portrait is not now.opened:
             return Step(f"Reading {now.opened.source.name}", self._return_to_portrait, _without_portrait)
         if light is not None and self._light_is_due(light, now):
-            return self._toward_light(light)
+            return self._toward_light(request, light)
         if light is not None and self._light_is_undrawn(request, now):
             draw = partial(self._draw_light, request.light_edit, _is_drafted(request))
             return Step("Drawing the light", draw, partial(_as_if_drawn, request.light_edit))
@@ -175,12 +180,12 @@ class Desk:
         )
 
     def _toward_photo(self, source: PhotoSource) -> Step:
-        refuse = _refusing(source)
+        refuse, replaced = _refusing(source), partial(_is_of_another_photo, source)
         if self._loading is None or self._loading[0] is not source:
             return Step(f"Opening {source.name}", partial(self._read, source), refuse)
         if self._relighter is None:
-            return Step("Loading the networks", self._load_networks, refuse)
-        return Step(f"Reading the face in {source.name}", self._set_portrait, refuse)
+            return Step("Loading the networks", self._load_networks, refuse, replaced)
+        return Step(f"Reading the face in {source.name}", self._set_portrait, refuse, replaced)
 
     def _read(self, source: PhotoSource, now: Snapshot) -> Snapshot:
         photo = read_photo(source.place) if isinstance(source.place, Path) else source.place
@@ -193,7 +198,9 @@ class Desk:
         if self._loading is not None:
             # Importing torch keeps one core busy for a second; faces are found meanwhile, and remembered.
             seen = self._loading[1].above_black.seen
-            threading.Thread(target=find_faces_beyond_doubt, args=(seen,), daemon=True).start()
+            # The context tells the search when another photo is wanted, whose own would else wait for it.
+            look = partial(copy_context().run, find_faces_beyond_doubt, seen)
+            threading.Thread(target=look, daemon=True).start()
         self._relighter = self._make_relighter()
         self._tiers.read()
         return now
@@ -242,12 +249,13 @@ class Desk:
         self._portrait = now.opened
         return now
 
-    def _toward_light(self, light: LightSource) -> Step:
+    def _toward_light(self, request: Request, light: LightSource) -> Step:
         refuse = _refusing(light)
         if light.kind == "portrait" and self._relighter is None:
             return Step("Loading the networks", self._load_networks, refuse)
         words = "Borrowing the light of" if light.kind == "portrait" else "Reading the light"
-        return Step(f"{words} {light.title}", partial(self._open_light, light), refuse)
+        replaced = partial(_is_of_another_light, request)
+        return Step(f"{words} {light.title}", partial(self._open_light, light), refuse, replaced)
 
     def _open_light(self, source: LightSource, now: Snapshot) -> Snapshot:
         if source.kind == "own" and now.own_light is not None:
@@ -344,6 +352,17 @@ def _refusing(source: PhotoSource | LightSource) -> Callable[[Snapshot], Snapsho
 
 def _keeps_another(wish: PhotoSource | LightSource, photo: Photo) -> bool:
     return isinstance(wish, PhotoSource) and isinstance(wish.place, Photo) and wish.place is not photo
+
+
+def _is_of_another_photo(source: PhotoSource | None, newer: Request) -> bool:
+    """Whether a newer request is for other pixels; corrections of the same ones can follow what is being done."""
+    return source is not None and newer.photo is not None and newer.photo.place is not source.place
+
+
+def _is_of_another_light(request: Request, newer: Request) -> bool:
+    """Whether a newer request is for another light than an earlier one, or for another photo, which comes first."""
+    is_other = newer.light is not None and newer.light is not request.light
+    return is_other or _is_of_another_photo(request.photo, newer)
 
 
 def _without_portrait(now: Snapshot) -> Snapshot:

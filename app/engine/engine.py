@@ -6,6 +6,7 @@ import logging
 import threading
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from app.engine.desk import Desk, Step
@@ -14,6 +15,7 @@ from app.engine.sources import RelighterLike, Request
 from app.faults import error_line
 from relight_core.errors import InputError
 from relight_core.imaging.files import legible
+from relight_core.unwanted import UnwantedError, stopping_when
 
 _log = logging.getLogger(__name__)
 
@@ -23,7 +25,7 @@ class Engine:
 
     `submit` and `snapshot` may be called from any thread and never wait for the networks. While a slider is
     dragged every finished result is published, even if a newer one has been asked for by then; a result for a
-    photo that has meanwhile been replaced is dropped.
+    photo that has meanwhile been replaced is dropped, and the search for the faces of such a photo stops.
 
     Args:
         make_relighter: called on the engine's thread when the networks are first needed; again if that fails.
@@ -77,7 +79,7 @@ class Engine:
             return self._changed.wait_for(lambda: self._idle or self._closing, timeout_s)
 
     def close(self) -> None:
-        """End the thread after the step that runs; safe to call twice."""
+        """End the thread after the step that runs, which stops where it can; safe to call twice."""
         with self._changed:
             self._closing = True
             self._changed.notify_all()
@@ -139,12 +141,20 @@ class Engine:
 
     def _outcome(self, step: Step, before: Snapshot) -> Snapshot:
         try:
-            return step.run(before)
+            with stopping_when(partial(self._is_superseded, step)):
+                return step.run(before)
+        except UnwantedError:
+            # Nothing failed: what is in force stays, and the newest request says what is next.
+            return before
         except InputError as error:
             self.say(error_line(error), is_error=True)
         except Exception as error:
             self._confess(error)
         return step.give_up(before)
+
+    def _is_superseded(self, step: Step) -> bool:
+        with self._changed:
+            return self._closing or step.is_superseded(self._request)
 
     def _photo_was_replaced(self, after: Snapshot) -> bool:
         wanted = self._request.photo

@@ -10,6 +10,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from relight_core.unwanted import stop_if_unwanted
+
 FRONTAL = ("frontalface_default", "frontalface_alt", "frontalface_alt2")
 PROFILE = ("profileface",)
 
@@ -110,7 +112,12 @@ def every_profile_hit(grey: np.ndarray) -> list[Candidate]:
 def _hits(
     grey: np.ndarray, name: str, face_within: tuple[float, float, float, float], smallest_px: int = SMALLEST_PX
 ) -> list[tuple[np.ndarray, int, str]]:
-    """A cascade's hits: box of the face, votes, name of the cascade."""
+    """A cascade's hits: box of the face, votes, name of the cascade.
+
+    Raises:
+        UnwantedError: nobody waits for them any more; here, since all searches by cascades come here again and again.
+    """
+    stop_if_unwanted()
     with _detecting:
         boxes, votes = _cascade(name).detectMultiScale2(grey, _SCALE_STEP, 3, 0, (smallest_px, smallest_px))
     hits = []

@@ -23,6 +23,7 @@ from relight_core.face.cascades import (
 from relight_core.imaging.colour import luminance, srgb_encode
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.resampling import resize_area
+from relight_core.unwanted import UnwantedError
 
 _LONG_SIDE_PX = 800
 """Longer side of the copy of a photo in which faces are searched for first."""
@@ -120,6 +121,10 @@ def find_faces(photo: Photo, is_face: Judge = lambda box: False) -> list[FaceBox
 
     Returns:
         Largest first, small doubtful ones last; empty if there is none.
+
+    Raises:
+        UnwantedError: nobody waits for them any more (see `relight_core.unwanted`), as from all searches here; then
+            nothing is remembered.
     """
     with _finding:
         if photo not in _known:
@@ -128,12 +133,15 @@ def find_faces(photo: Photo, is_face: Judge = lambda box: False) -> list[FaceBox
 
 
 def find_faces_beyond_doubt(photo: Photo) -> None:
-    """Run `find_faces` ahead, before a judge is available; where it would need one, nothing is remembered."""
+    """Run `find_faces` ahead, before a judge is available; where it would need one, nothing is remembered.
+
+    Nor is it where nobody waits for it any more.
+    """
 
     def leave(box: FaceBox) -> bool:
         raise _InDoubtError
 
-    with suppress(_InDoubtError):
+    with suppress(_InDoubtError, UnwantedError):
         find_faces(photo, leave)
 
 

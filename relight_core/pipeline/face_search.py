@@ -17,6 +17,7 @@ from relight_core.pipeline.per_photo.exposing import exposure_of_view, sampled_p
 from relight_core.pipeline.per_photo.network_view import network_view
 from relight_core.pipeline.per_photo.portrait import frame, framed, located
 from relight_core.pipeline.quality import tier_of
+from relight_core.unwanted import stop_if_unwanted
 
 _LEAST_CERTAIN = 0.54
 """Of the parsing, where a face is found beside others: tiny faces have 0.57, others 0.66 and more; a heap of jeans in
@@ -45,6 +46,7 @@ class FaceSearch:
 
         Raises:
             NoFaceError: there are none.
+            UnwantedError: nobody waits for them any more.
         """
         found = choose_faces(self._photo.seen, self)
         return [replace(face, doubtful=False) for face in found]
@@ -82,6 +84,7 @@ class FaceSearch:
         return max(evidence_of_face(self.labels(portrait.view), portrait.view, portrait.crop), self.evidence(box))
 
     def _parse(self, view: Crop) -> np.ndarray:
+        stop_if_unwanted()
         seen = network_view(self._photo, view, self._tier.size, exposure_of_view(self._photo, view))
         found = self._shop.delight(seen, self._tier)
         return found.parsing[0].float().cpu().numpy()

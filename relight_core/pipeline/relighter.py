@@ -106,6 +106,7 @@ class Relighter:
         Raises:
             NoFaceError: no face is found, or `boxes` is empty. The previous portrait stays, here and below.
             InputError: there is no face of that index, a box is empty or outside the photo, or a stroke is.
+            UnwantedError: nobody waits for the portrait any more, see `relight_core.unwanted`.
         """
         whole, photo = photo, photo.above_black
         strokes, search = checked_strokes(strokes), FaceSearch(self._shop, photo)

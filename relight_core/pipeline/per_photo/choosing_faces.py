@@ -74,6 +74,7 @@ def choose_faces(photo: Photo, eyes: Eyes | None = None) -> list[FaceBox]:
 
     Raises:
         NoFaceError: no face.
+        UnwantedError: nobody waits for them any more; nothing that is half decided is remembered.
     """
     if eyes is None:
         faces = find_faces(photo) or find_small_faces(photo)
@@ -137,9 +138,7 @@ def _confirmed(photo: Photo, found: list[FaceBox], eyes: Eyes) -> list[FaceBox]:
         faces = list(filter(is_sure, found))
     if not faces:
         return [face for face in found if eyes.evidence(face) > 0]
-    faces = [replace(face, doubtful=False) for face in faces]
-    remember_faces(photo, faces)
-    return faces
+    return [replace(face, doubtful=False) for face in faces]
 
 
 def _fullest(choices: Iterable[list[FaceBox]], eyes: Eyes) -> list[FaceBox]:
@@ -213,13 +212,16 @@ def _same_place(place: FaceBox, other: FaceBox) -> bool:
 
 
 def _with_companions(photo: Photo, faces: list[FaceBox], eyes: Eyes) -> list[FaceBox]:
-    """The faces, with more beside them that the finder missed, the largest first."""
+    """The faces, with more beside them that the finder missed, the largest first.
+
+    They are remembered here, at the end: a search that was stopped before would else not look for companions again.
+    """
     more = [guess for guess in guess_companions(photo, faces) if eyes.look_closer(guess) >= _ENOUGH_EVIDENCE]
-    if not more:
-        return faces
-    faces = [*faces, *(replace(face, doubtful=False) for face in more)]
-    faces.sort(key=lambda face: -face.width * face.height)
-    remember_faces(photo, faces)
+    if more:
+        faces = [*faces, *(replace(face, doubtful=False) for face in more)]
+        faces.sort(key=lambda face: -face.width * face.height)
+    if not all(face.doubtful for face in faces):
+        remember_faces(photo, faces)
     return faces
 
 
