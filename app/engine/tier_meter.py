@@ -22,6 +22,9 @@ _ANSWER_A_LIGHT = ("irradiance", "specular_shadow", "compose")
 """The stages that run anew for every new light. Under one that was seen before only the first does, which keeps the
 fewest results; at a strength of 0 there is nothing for the second to find."""
 
+_TAKE_APART = ("delight", "other_faces_delight")
+"""A photo costs these once, and no light costs them again."""
+
 
 class TierMeter:
     """Used by the engine's thread only.
@@ -65,7 +68,7 @@ class TierMeter:
     def observe(self, quality: str, stages: Mapping) -> None:
         """Learn from a picture whose light was new; `stages` as in Relit."""
         computed = {name for name, stage in stages.items() if stage.state == "computed"}
-        if not computed.issuperset(_ANSWER_A_LIGHT) or "delight" in computed:
+        if not computed.issuperset(_ANSWER_A_LIGHT) or not computed.isdisjoint(_TAKE_APART):
             return
         self._observed.setdefault(quality, deque(maxlen=_OBSERVED)).append(computed_ms(stages))
 

@@ -37,7 +37,7 @@ from relight_core.pipeline.per_photo.strands import Hair
 from relight_core.pipeline.prepared import Prepared
 from relight_core.pipeline.quality import Tier, tier_of
 
-_KEPT_TIERS = 16
+KEPT_TIERS = 16
 """As many tiers may be compared side by side without any of them being prepared twice."""
 
 
@@ -103,7 +103,7 @@ class FaceTakenApart:
 
     def _once(self, name: str, key: Hashable, make):
         """A stage that only a new photo or another quality makes run again."""
-        return self.cache.of_photo(name, key, make, "new photo or quality", keep=_KEPT_TIERS)
+        return self.cache.of_photo(name, key, make, "new photo or quality", keep=KEPT_TIERS)
 
     def prepare(self, tier: Tier) -> Prepared:
         """The face as one tier of quality sees it."""

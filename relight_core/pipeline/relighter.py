@@ -24,7 +24,7 @@ from relight_core.pipeline.company import Company
 from relight_core.pipeline.edit import Edit, check_edit
 from relight_core.pipeline.face_relighter import KEPT_LIGHTS, FaceRelighter
 from relight_core.pipeline.face_search import FaceSearch
-from relight_core.pipeline.face_taken_apart import Workshop
+from relight_core.pipeline.face_taken_apart import KEPT_TIERS, Workshop
 from relight_core.pipeline.per_light.catchlights import Catchlight, mirrored_key
 from relight_core.pipeline.per_light.kept_lights import KeptLights, ServingLight
 from relight_core.pipeline.per_photo.brush import BrushStroke, checked_strokes
@@ -32,7 +32,7 @@ from relight_core.pipeline.per_photo.choosing_faces import those_chosen
 from relight_core.pipeline.per_photo.portrait import checked_boxes, framed
 from relight_core.pipeline.plan import Plan, Scene, make_plan
 from relight_core.pipeline.prepared import Lit, Prepared
-from relight_core.pipeline.quality import tier_of
+from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.pipeline.results.channels import ViewChange
 from relight_core.pipeline.results.channels_together import Channels
 from relight_core.pipeline.results.relit import Relit
@@ -45,6 +45,8 @@ _NETWORK_STAGES = (
     *("delight", "outline", "wider_outline", "begun"),
     *("specular_shadow", "residual", "compose", "nearer_face"),
 )
+
+_OTHERS_APART = "other_faces_delight"
 
 _BRIGHTEST_LEVEL = 1e20
 """Lights beyond it count as this bright: sums over their pictures stay within single precision."""
@@ -178,6 +180,8 @@ class Relighter:
     def forget(self, stage: str) -> None:
         """Drop a stage's results, so that it runs again when next needed; for measuring it."""
         self._cache.forget(stage)
+        if stage == "delight":
+            self._cache.forget(_OTHERS_APART)
         for face in self._face_at.values():
             face.forget(stage)
 
@@ -324,7 +328,7 @@ class Relighter:
         tier, backdrop = tier_of(edit.quality), None
         if edit.background == "light":
             backdrop = (environment.fingerprint, edit.yaw_deg, edit.background_fov_deg, edit.background_blur_deg)
-        irises = sum(len(face.corneas()) for face in self._faces)
+        irises, in_foreign_shadow = self._eyes_and_shadows(tier)
         return Scene(
             tier=tier,
             light=light.name,
@@ -334,8 +338,26 @@ class Relighter:
             lamps=light.lamps,
             mirrored=(mirrored_key(environment), edit.yaw_deg) if irises else None,
             irises=irises,
-            in_foreign_shadow=sum(face.prepare(tier).found.foreign_shadow is not None for face in self._faces),
+            in_foreign_shadow=in_foreign_shadow,
         )
+
+    def _eyes_and_shadows(self, tier: Tier) -> tuple[int, int]:
+        """How many irises are seen, and on how many faces a shadow falls: known once the faces are taken apart.
+
+        Those beside the first are taken apart in a stage, since what their own caches do is in a record of each.
+        """
+
+        def told_by(faces: Sequence[FaceRelighter]) -> np.ndarray:
+            shadows = [face.prepare(tier).found.foreign_shadow for face in faces]
+            return np.array([sum(len(face.corneas()) for face in faces), sum(one is not None for one in shadows)])
+
+        told = told_by(self._faces[:1])
+        if len(self._faces) > 1:
+            look = partial(told_by, self._faces[1:])
+            told = told + self._cache.of_photo(
+                _OTHERS_APART, tier.surface_key, look, "new photo or quality", keep=KEPT_TIERS
+            )
+        return int(told[0]), int(told[1])
 
     def _first_change(
         self, serving: ServingLight, plan: Plan, edit: Edit, level: float

@@ -45,7 +45,10 @@ from relight_core.pipeline.results.outline_lines import outline_lines
 from relight_core.pipeline.results.picture import Picture, PlacedCatchlight, PlacedChange
 from relight_core.pipeline.results.strength import mixed
 
-BEFORE_THE_BRUSH = ("small", "draft_matte", "weights", "canvas", "panorama", "other_faces", "catchlights")
+BEFORE_THE_BRUSH = (
+    *("small", "draft_matte", "weights", "canvas", "panorama"),
+    *("other_faces_delight", "other_faces", "catchlights"),
+)
 """Stages that read nothing of what is painted by hand."""
 
 _KEPT_PIXELS = 2560 * 2560

@@ -127,9 +127,11 @@ def test_only_updates_after_a_turn_count(tmp_path):
         "sliders": SimpleNamespace(ms=1.0, state="computed"),
     }
     opening = turned(3.0) | {"delight": SimpleNamespace(ms=900.0, state="computed")}
+    with_one_more_face = turned(3.0) | {"other_faces_delight": SimpleNamespace(ms=900.0, state="computed")}
     for _ in range(9):
         meter.observe("live", slider)
         meter.observe("live", opening)
+        meter.observe("live", with_one_more_face)
         meter.observe("live", {})
     assert meter.costs() == COSTS
 

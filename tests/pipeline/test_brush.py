@@ -214,7 +214,7 @@ def test_a_stroke_lights_no_face_of_a_group_again(relighter):
     relighter.set_portrait(photo, None, boxes, [OVER_THE_HAT])
     relit = relighter.relight(some_light(), EDIT)
     assert "matte" in computed(relit)
-    assert not computed(relit) & {"sliders", "other_faces", "catchlights", "weights"}
+    assert not computed(relit) & {"sliders", "other_faces", "other_faces_delight", "catchlights", "weights"}
 
 
 def test_the_outline_follows_the_strokes(relighter):

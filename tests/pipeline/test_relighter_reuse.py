@@ -1,6 +1,7 @@
 """What the Relighter computes, what it reuses, and that neither shows in the picture."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,8 +10,10 @@ from tiny_relighter import EDIT, NETWORK_STAGES, computed, some_light, some_phot
 from relight_core.lighting.environment import Environment
 from relight_core.lighting.panorama import rotate
 from relight_core.lighting.sphere import direction_at
-from relight_core.pipeline import face_relighter, stages
+from relight_core.pipeline import cache, face_relighter, stages
 from relight_core.pipeline.auto_quality import Calibration
+from relight_core.pipeline.cache import computed_ms
+from relight_core.pipeline.face_taken_apart import Workshop
 from relight_core.pipeline.per_light.fine_edges import FineEdges
 from relight_core.pipeline.relighter import Relighter
 
@@ -291,3 +294,29 @@ def test_another_view_of_the_light_behind_is_another_picture(relighter, change):
     edit = replace(EDIT, background="light")
     image = relighter.relight(some_light(), edit).image
     assert np.abs(relighter.relight(some_light(), replace(edit, **change)).image - image).max() > 0.01
+
+
+def test_of_several_faces_de_lighting_counts_in_the_time_of_an_update_for_each_of_them(relighter, monkeypatch):
+    """Told by a clock that goes on by a second with every view that is de-lit, and at no other time."""
+    now_s, delight = [0.0], Workshop.delight
+
+    def take_a_second(*given):
+        now_s[0] += 1.0
+        return delight(*given)
+
+    monkeypatch.setattr(Workshop, "delight", take_a_second)
+    monkeypatch.setattr(cache, "time", SimpleNamespace(perf_counter=lambda: now_s[0]))
+    relighter.set_portrait(some_photo(1))
+    before_s = now_s[0]
+    first = relighter.relight(some_light(), EDIT)
+    assert len(first.faces) == 2
+    assert computed_ms(first.stages) == pytest.approx(1e3 * (now_s[0] - before_s))
+    assert first.stages["other_faces_delight"].ms >= 1e3
+    assert first.stages["other_faces_delight"].is_of_photo
+    turned = relighter.relight(some_light(), replace(EDIT, yaw_deg=40.0))
+    assert turned.stages["other_faces_delight"].state == "reused"
+    before_s = now_s[0]
+    relighter.forget("delight")
+    again = relighter.relight(some_light(), EDIT)
+    assert again.stages["other_faces_delight"].ms == first.stages["other_faces_delight"].ms
+    assert computed_ms(again.stages) == pytest.approx(1e3 * (now_s[0] - before_s))
