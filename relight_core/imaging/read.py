@@ -43,7 +43,8 @@ def read_photo(path: str | Path) -> Photo:
     multiplied into the colour is divided out.
 
     Raises:
-        InputError: missing, a folder, empty, truncated, not an image, above 400 megapixels or unreadable.
+        InputError: missing, a folder, empty, truncated, not an image, above 400 megapixels, unreadable, or without
+            any finite value.
     """
     path = Path(path)
     head = file_head(path)
@@ -105,7 +106,7 @@ def _photo_of_floats(raster: decode.Raster, path: Path) -> Photo:
     """Values above 1 and below 0 stay, whatever profile they are in."""
     linear, premultiplied, alpha = raster.values, raster.premultiplied, raster.alpha
     if raster.profile is not None:
-        linear, premultiplied = raster.profile.decode(_limited(_finite(raster.straight))), False
+        linear, premultiplied = raster.profile.decode(_limited(_finite(raster.straight, path))), False
     alpha = None if alpha is None else _upright(alpha, raster.orientation)
     photo = _float_photo(_upright(linear, raster.orientation), alpha, premultiplied, path)
     return replace(photo, icc=_kept_profile(raster), exif=raster.exif)
@@ -114,7 +115,7 @@ def _photo_of_floats(raster: decode.Raster, path: Path) -> Photo:
 def _float_photo(linear: np.ndarray, alpha: np.ndarray | None, premultiplied: bool, path: Path) -> Photo:
     if linear.shape[2] == 1:
         linear = np.repeat(linear, 3, axis=2)
-    linear = _limited(_finite(linear))
+    linear = _limited(_finite(linear, path))
     if alpha is not None:
         alpha = np.clip(np.nan_to_num(alpha.astype(np.float32)), 0.0, 1.0)
         if premultiplied:
@@ -126,8 +127,10 @@ def _float_photo(linear: np.ndarray, alpha: np.ndarray | None, premultiplied: bo
     return Photo(np.maximum(linear, 0.0, out=linear), alpha, path, 32, beyond=beyond)
 
 
-def _finite(linear: np.ndarray) -> np.ndarray:
+def _finite(linear: np.ndarray, path: Path) -> np.ndarray:
     finite = np.isfinite(linear)
+    if not finite.any():
+        raise InputError(f"{path}: none of its values is a finite number; export it again")
     brightest = float(linear.max(initial=0.0, where=finite))
     return np.nan_to_num(linear, nan=0.0, posinf=brightest, neginf=0.0)
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from relight_core.errors import NoFaceError
 from relight_core.face.crop import Crop
 from relight_core.face.evidence import certainty_of_face, evidence_of_face, glimpses_of_face
 from relight_core.face.find import FaceBox
@@ -26,6 +27,9 @@ which it saw brows, eyes and a mouth had 0.51."""
 _LEAST_CONTRAST = 0.1
 """By this share of its brightest parts the darkest of a face are darker, at the least: in white paper, which has 0.05,
 the parsing sees a face. Those of photos overexposed by two stops, or of so few codes that they are black, have 0.67."""
+
+_MOST_HIDDEN = 0.5
+"""Alpha up to which the finder sees more of the grey behind a pixel than of the pixel."""
 
 
 class FaceSearch:
@@ -48,8 +52,23 @@ class FaceSearch:
             NoFaceError: there are none.
             UnwantedError: nobody waits for them any more.
         """
-        found = choose_faces(self._photo.seen, self)
+        try:
+            found = choose_faces(self._photo.seen, self)
+        except NoFaceError:
+            if (hidden := self._why_hidden()) is None:
+                raise
+            raise hidden from None
         return [replace(face, doubtful=False) for face in found]
+
+    def _why_hidden(self) -> NoFaceError | None:
+        """What is at fault where nobody is found in a photo whose alpha leaves hardly anything to be seen."""
+        photo = self._photo
+        if photo.alpha is None or photo.alpha.max() > _MOST_HIDDEN:
+            return None
+        name, percent = photo.path or "the photo", f"{100 * photo.alpha.max():.1f}"
+        return NoFaceError(
+            f"{name}: no face found, for its alpha is nowhere above {percent} %; export it without alpha, or opaque"
+        )
 
     def parsing(self, view: Crop) -> np.ndarray:
         """(classes, S, S) probabilities of a view's parsing, found once."""

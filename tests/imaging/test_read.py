@@ -179,6 +179,15 @@ def test_exr_is_read_and_cleaned_as_a_photo_and_left_alone_as_radiance(tmp_path)
     np.testing.assert_array_equal(read_radiance(path), pixels)
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_a_file_without_any_finite_value_is_refused_as_a_photo(tmp_path, value):
+    pixels = np.full((3, 4, 3), value, np.float32)
+    tifffile.imwrite(tmp_path / "a.tif", pixels, photometric="rgb")
+    for path in (write_exr(tmp_path / "a.exr", {"RGB": pixels}), tmp_path / "a.tif"):
+        with pytest.raises(InputError, match=f"{path.name}: none of its values is a finite number; export it again"):
+            read_photo(path)
+
+
 def test_exr_alpha_is_divided_out(tmp_path):
     pixels = np.zeros((2, 2, 4), np.float32)
     pixels[..., :] = (1.0, 0.5, 0.0, 0.5)

@@ -88,3 +88,15 @@ def test_a_view_is_read_once_however_often_it_is_asked_about(monkeypatch):
     for asked in (view, other, Crop(500.0, 500.0, 300.0)):
         np.testing.assert_array_equal(search.labels(asked), search.parsing(asked).argmax(0))
     assert read == [view, other]
+
+
+@pytest.mark.parametrize(
+    ("alpha", "told"),
+    [(1 / 255, "its alpha is nowhere above 0.4 %; export it without alpha"), (0.75, "say where it is")],
+)
+def test_of_a_photo_that_is_hardly_there_it_is_told_that_nobody_is_found_for_its_alpha(monkeypatch, alpha, told):
+    for look in ("find_faces", "find_small_faces", "guess_faces"):
+        monkeypatch.setattr(f"relight_core.pipeline.per_photo.choosing_faces.{look}", lambda *asked: [])
+    hidden = Photo(NIGHT.linear, np.full((1000, 1000), alpha, np.float32))
+    with pytest.raises(NoFaceError, match=told):
+        Drawn(0.75, 0, PARTS[:1], hidden).faces()
