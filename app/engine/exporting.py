@@ -30,6 +30,8 @@ FORMS = (".png", ".jpg", ".tif", ".exr")
 SIDES = (None, 4096, 2048, 1080)
 """Longest sides to choose from; None is the photo's own size."""
 PROFILES = ("srgb", "photo")
+QUALITIES = (50, 100)
+"""The lowest and the highest of a JPEG to choose from."""
 
 
 @dataclass(frozen=True)

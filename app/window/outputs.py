@@ -31,6 +31,7 @@ from app.ui.photo_works import portrait_of
 from app.ui.state import EditorState
 from app.window.batch_photo import BatchLights, relight_as
 from app.window.clipboard import copy_png
+from app.window.last_export import LastExport
 from app.window.own_work import document_of, own_work
 from app.window.promise import Promise
 from relight_core.errors import InputError
@@ -49,6 +50,7 @@ class Outputs:
         exporter: runs the jobs.
         make_relighter: makes one for jobs that relight, so that the window's own stays free.
         when_finished: as of app.window.finished.Finished.then; None takes the picture that is there.
+        folder: where it is kept how pictures were saved last; None keeps nothing.
     """
 
     def __init__(
@@ -57,20 +59,25 @@ class Outputs:
         exporter: Exporter,
         make_relighter: Callable[[], RelighterLike],
         when_finished: Callable[..., None] | None = None,
+        folder: Path | None = None,
     ) -> None:
         self._state, self._exporter, self._make_relighter = state, exporter, make_relighter
         self._when_finished = when_finished or (lambda task, **_: task(state.snapshot.picture))
         # What each batch makes that has not ended; the jobs' thread takes it off.
         self._coming: list[list[Path]] = []
+        self._last = LastExport(folder and folder / "last-export.json")
+        self._last.recall(state)
 
     def export(self, suffix: str) -> None:
         """Save the picture where the panel says now, as a kind of file; nothing if there is no picture."""
         if self._state.snapshot.picture is not None:
-            settings, exposure_ev = replace(self._state.export, form=suffix), self._state.edit.exposure_ev
+            chosen, exposure_ev = self._state.export, self._state.edit.exposure_ev
             place = place_for(self._state, self._state.photo, suffix)
 
             def save(picture: Picture) -> None:
-                self._exporter.submit(ExportJob(picture, exposure_ev, place, settings))
+                self._exporter.submit(ExportJob(picture, exposure_ev, place, replace(chosen, form=suffix)))
+                # Of another kind by a key of its own it is for once.
+                self._last.keep(chosen)
 
             self._when_finished(save)
 
@@ -87,7 +94,12 @@ class Outputs:
 
         def save(path: Path, replaces: bool) -> None:
             named = replace(settings, form=form_named(path) or settings.form)
-            promise.then(lambda picture: self._exporter.submit(ExportJob(picture, exposure_ev, path, named, replaces)))
+
+            def submit(picture: Picture) -> None:
+                self._exporter.submit(ExportJob(picture, exposure_ev, path, named, replaces))
+                self._last.keep(named)
+
+            promise.then(submit)
 
         return save
 
@@ -115,11 +127,14 @@ class Outputs:
             InputError: there is no picture.
         """
         self._need_picture()
-        side, exposure_ev = self._state.export.longest_side or FILM_PX, self._state.edit.exposure_ev
-        promise = self._promise()
+        chosen, exposure_ev, promise = self._state.export, self._state.edit.exposure_ev, self._promise()
 
         def save(path: Path, replaces: bool) -> None:
-            promise.then(lambda picture: self._start_film(path, replaces, picture, side, exposure_ev))
+            def start(picture: Picture) -> None:
+                self._start_film(path, replaces, picture, chosen.longest_side or FILM_PX, exposure_ev)
+                self._last.keep(chosen)
+
+            promise.then(start)
 
         return save
 
@@ -182,6 +197,7 @@ class Outputs:
                 relight_as(document_of(works[photo], photo), lights, relighter, output, settings, originals)
 
             self._start_batch(tasks, one, replaces, then=partial(self._coming.remove, coming))
+            self._last.keep(settings)
 
         self._when_finished(start, otherwise=partial(self._coming.remove, coming))
 

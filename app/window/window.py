@@ -85,7 +85,7 @@ class EditorWindow:
         self.engine = Engine(make_relighter, self._wake, on_engine_start, calibration_path)
         self.exporter = Exporter(self.engine.say, self._wake, on_engine_start)
         self._finished = Finished(self.state, self.engine.say)
-        self._outputs = Outputs(self.state, self.exporter, make_relighter, self._finished.then)
+        self._outputs = Outputs(self.state, self.exporter, make_relighter, self._finished.then, folder)
         then = self._finished.then
         self._deeds = Deeds(self.state, self.engine.say, folder, outputs=self._outputs, when_finished=then)
         self._leaving = Leaving(

@@ -56,6 +56,7 @@ def _of_work(folder: Path) -> dict[str, Reader]:
     from app.document.session_file import read_lent_light, read_session, write_session
     from app.engine.calibration_file import read_costs
     from app.settings import Settings, read_settings, write_settings
+    from app.window.last_export import read_last_export
     from app.window.recent_lights import read_recent
     from relight_core.face.find import FaceBox
     from relight_core.pipeline.per_photo.brush import BrushStroke
@@ -72,6 +73,7 @@ def _of_work(folder: Path) -> dict[str, Reader]:
         "lent": Reader(read_lent_light, [session.read_bytes()], ".relight.json"),
         "light": Reader(read_light, [light.read_bytes()], ".json"),
         "recent": Reader(read_recent, [b'[["panorama", "/tmp/a.exr"], ["portrait", "/tmp/b.png"]]'], ".json"),
+        "export": Reader(read_last_export, [_EXPORT], ".json"),
         "costs": Reader(lambda path: read_costs(path, "key"), [_COSTS], ".json"),
         "settings": Reader(read_settings, [settings.read_bytes()], ".json"),
     }
@@ -96,6 +98,9 @@ def _of_makers(folder: Path) -> dict[str, Reader]:
     }
 
 
+_EXPORT = (
+    b'{"form": ".exr", "deep": true, "quality": 92, "longest_side": 2048, "profile": "srgb", "layers": ["albedo"]}'
+)
 _COSTS = (
     b'{"version": 1, "key": "key", "tiers": {"draft": {"ms": 1.5, "error": 0.02}, '
     b'"live": {"ms": 2, "error": 0.01}, "final": {"ms": 3, "error": 0}}}'

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from imgui_bundle import imgui
 
-from app.engine.exporting import FORMS, PROFILES, SIDES, ExportSettings
+from app.engine.exporting import FORMS, PROFILES, QUALITIES, SIDES, ExportSettings
 from app.ui import theme, widgets
 from app.ui.export_name import choose_form, export_place, form_named, take_named_form
 from app.ui.panels.groups import group
@@ -35,7 +35,6 @@ _PROFILE_WORDS = {
 PROFILE_CHOICES = tuple((profile, *_PROFILE_WORDS[profile]) for profile in PROFILES)
 """Value, label and tooltip of each."""
 
-_QUALITIES = (50, 100)
 _SPACING, _LAYERS_SHARE = 4.0, 0.44
 _USUAL_QUALITY = ExportSettings().quality
 LAYER_WORDS = {
@@ -147,7 +146,7 @@ def _quality(quality: int, width: float) -> int:
     imgui.set_next_item_width(width)
     for name, colour in (("slider_grab", theme.FAINT), ("slider_grab_active", theme.ACCENT)):
         imgui.push_style_color(getattr(imgui.Col_, name), imgui.ImVec4(*colour))
-    low, high = _QUALITIES
+    low, high = QUALITIES
     _, chosen = imgui.slider_int("##quality", quality, low, high, "Quality %d", imgui.SliderFlags_.always_clamp)
     imgui.pop_style_color(2)
     if imgui.is_item_hovered() and imgui.is_mouse_double_clicked(0):
