@@ -70,7 +70,7 @@ class Engine:
         text = "\n".join(legible(line) for line in text.split("\n"))
         with self._changed:
             self._messages += 1
-            self._snapshot = replace(self._snapshot, message=Message(self._messages, text, is_error))
+            self._snapshot = self._snapshot.telling(Message(self._messages, text, is_error))
         self._wake()
 
     def wait_until_idle(self, timeout_s: float | None = None) -> bool:
@@ -136,7 +136,9 @@ class Engine:
             is_result = after.picture is not before.picture and after.opened is before.opened
             if is_result and self._photo_was_replaced(after):
                 after = replace(after, picture=before.picture)
-            self._snapshot = replace(after, message=self._snapshot.message)
+            # What was said meanwhile.
+            now = self._snapshot
+            self._snapshot = replace(after, message=now.message, errors=now.errors)
         self._wake()
 
     def _outcome(self, step: Step, before: Snapshot) -> Snapshot:

@@ -74,7 +74,7 @@ class Jobs:
 
     Args:
         say: told what became of each: a line, and whether it is an error; before it the errors of those it waited for,
-            which it would else take out of sight.
+            which it would else cover.
         wake: called when the status has changed.
         on_start: called first on the thread the jobs run on; they run even if it fails.
 

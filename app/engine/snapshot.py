@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from relight_core.lighting.soft_box import SoftBox
 from relight_core.pipeline.auto_quality import TierCost
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.results.display import DisplayRecipe
+
+_MOST_ERRORS = 50
+"""More than anybody reads one by one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,6 +121,7 @@ class Snapshot:
         tier_costs: what the quality tiers cost on this machine, as far as it is known.
         activity: what runs now, or None.
         message: the newest line for the user, or None.
+        errors: the newest lines that tell of an error, oldest first.
     """
 
     opened: OpenPhoto | None = None
@@ -131,6 +135,15 @@ class Snapshot:
     tier_costs: Mapping[str, TierCost] = field(default_factory=dict)
     activity: str | None = None
     message: Message | None = None
+    errors: tuple[Message, ...] = ()
+
+    def telling(self, message: Message) -> Snapshot:
+        """The same with a newer line for the user; an error whose every line it says again is one with it."""
+        if not message.is_error:
+            return replace(self, message=message)
+        lines = {*message.text.split("\n")}
+        others = [error for error in self.errors if not {*error.text.split("\n")} <= lines]
+        return replace(self, message=message, errors=(*others, message)[-_MOST_ERRORS:])
 
     @property
     def picture_in_sight(self) -> Picture | None:

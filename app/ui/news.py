@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
+
+from app.engine.snapshot import Message, Snapshot
 
 if TYPE_CHECKING:
     from app.ui.state import EditorState
@@ -17,17 +19,31 @@ _LONGEST_FRAME_S = 0.25
 
 @dataclass
 class News:
-    """The newest line that reports no error.
+    """What has been read of the lines for the user.
 
     Attributes:
-        number: the message's.
-        seen_s: how long it has been in sight of a window that is used.
+        number: of the newest one that reports no error.
+        seen_s: how long that has been in sight of a window that is used.
         frame_s: when the last frame was.
+        put_away: numbers of those that are not to be shown again.
     """
 
     number: int = 0
     seen_s: float = 0.0
     frame_s: float = 0.0
+    put_away: set[int] = field(default_factory=set)
+
+    def in_sight(self, snapshot: Snapshot) -> Message | None:
+        """The newest line that was not put away: what was said last, or else an error that was said before."""
+        said = *snapshot.errors, *([snapshot.message] if snapshot.message else [])
+        left = [message for message in said if message.number not in self.put_away]
+        return max(left, key=lambda message: message.number, default=None)
+
+
+def put_message_away(state: EditorState) -> None:
+    """Show the line in sight no more; an error that it has covered is in sight again."""
+    if (message := state.message()) is not None:
+        state.news.put_away.add(message.number)
 
 
 def let_news_pass(state: EditorState, now_s: float) -> None:
@@ -42,9 +58,9 @@ def let_news_pass(state: EditorState, now_s: float) -> None:
     if message is None or message.is_error:
         return
     if news.number != message.number:
-        state.news = News(message.number, 0.0, now_s)
+        news.number, news.seen_s, news.frame_s = message.number, 0.0, now_s
         return
     news.seen_s += min(now_s - news.frame_s, _LONGEST_FRAME_S)
     news.frame_s = now_s
     if news.seen_s > _GOOD_NEWS_S:
-        state.dismissed = message.number
+        put_message_away(state)

@@ -79,8 +79,7 @@ class EditorState:
         held: what the mouse holds on the panorama.
         hint_spent: something on the panorama was dragged since the mouse came to it, so no tooltip is needed.
         aim: the tool that places a lamp by a click on the face.
-        dismissed: number of the newest message that the user put away.
-        news: the newest message that is not an error, and how long it has been shown.
+        news: which messages were put away, and how long the newest one that is not an error has been shown.
         typing: label of the slider or field whose value is being typed, if any.
         typing_began: that field still has to get the keyboard focus.
         typing_seen: that field was drawn in this frame.
@@ -135,7 +134,6 @@ class EditorState:
     held: Grab | None = None
     hint_spent: bool = False
     aim: AimTool = field(default_factory=AimTool)
-    dismissed: int = 0
     news: News = field(default_factory=News)
     typing: str | None = None
     typing_began: bool = False
@@ -363,9 +361,8 @@ class EditorState:
             self._found[snapshot.opened.source.path] = snapshot.faces
 
     def message(self) -> Message | None:
-        """The line to show: the engine's newest, unless it was put away."""
-        message = self.snapshot.message
-        return message if message and message.number > self.dismissed else None
+        """The line to show, as of `News.in_sight`."""
+        return self.news.in_sight(self.snapshot)
 
     def shown_name(self) -> str:
         """Which picture fills the viewport now; the photo as long as there is no result."""

@@ -57,6 +57,19 @@ def test_what_another_thread_says_wakes_the_window_and_can_be_shown_in_lines(eng
     assert (published[-1].message.number, published[-1].message.is_error) == (told.number + 1, False)
 
 
+def test_an_error_that_is_told_while_the_engine_works_is_still_known_when_it_is_done(engine, relighter):
+    relighter.gate.clear()
+    engine.submit(Request(grey_source(), SPLIT, Edit()))
+    assert relighter.entered.acquire(timeout=LONG_S)
+    engine.say("no such folder", is_error=True)
+    engine.say("Saved it")
+    relighter.gate.set()
+    assert engine.wait_until_idle(LONG_S)
+    snapshot = engine.snapshot()
+    assert [error.text for error in snapshot.errors] == ["no such folder"]
+    assert snapshot.message.text == "Saved it"
+
+
 def test_an_engine_that_was_closed_keeps_nobody_waiting(engine):
     engine.close()
     engine.submit(Request(grey_source(), SPLIT, Edit()))

@@ -14,7 +14,7 @@ from app.ui.angles import wrap_degrees
 from app.ui.channels import in_filmstrip
 from app.ui.export_name import choose_form, export_place, export_to
 from app.ui.light_edits import AimTool
-from app.ui.news import let_news_pass
+from app.ui.news import let_news_pass, put_message_away
 from app.ui.state import EditorState
 from app.ui.viewport.view import View
 from relight_core.lighting.light_edit import LightEdit
@@ -204,7 +204,7 @@ def test_a_message_stays_away_once_put_away_but_the_next_one_shows():
     state = EditorState()
     state.accept(Snapshot(message=Message(1, "no")))
     assert state.message().text == "no"
-    state.dismissed = 1
+    put_message_away(state)
     assert state.message() is None
     state.accept(Snapshot(message=Message(2, "no")))
     assert state.message().number == 2

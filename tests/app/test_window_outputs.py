@@ -10,6 +10,7 @@ from PIL import Image
 
 from app.engine.sources import LightSource
 from app.ui.export_name import choose_form
+from app.ui.news import put_message_away
 from relight_core.errors import InputError
 from relight_core.imaging.view_transform import apply_view
 from relight_core.imaging.write import write_image
@@ -140,7 +141,7 @@ def test_a_place_chosen_once_the_light_is_lost_is_told_that_nothing_is_saved(los
     request, opened.window.state.picking = opened.window.state.picking, None
     goes_on.set()
     opened.settle()
-    opened.window.state.dismissed = opened.window.state.message().number
+    put_message_away(opened.window.state)
     request.then([photo_path.with_name("chosen.png")])
     opened.settle()
     assert opened.window.state.message().text.startswith("Nothing was saved")

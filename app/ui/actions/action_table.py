@@ -5,6 +5,7 @@ from __future__ import annotations
 from app.ui import brush_edits, face_edits
 from app.ui.actions import brush_actions, edit_actions, face_actions, look_actions
 from app.ui.actions.action import Action, Gesture
+from app.ui.news import put_message_away
 from app.ui.state import EditorState
 from app.ui.viewport.questions import answered_by_enter
 
@@ -40,8 +41,8 @@ def _close(state: EditorState) -> None:
         brush_edits.cancel(state)
     elif state.aim.target or state.playing:
         state.aim.target, state.playing = "", False
-    elif not state.asking.call_off() and state.snapshot.message:
-        state.dismissed = state.snapshot.message.number
+    elif not state.asking.call_off():
+        put_message_away(state)
 
 
 PROGRAM = (

@@ -7,6 +7,7 @@ from pathlib import Path
 from imgui_bundle import imgui
 
 from app.ui import theme, widgets
+from app.ui.news import put_message_away
 from app.ui.panels.plan_panel import duration
 from app.ui.state import EditorState
 from app.ui.viewport.probe import reading
@@ -65,7 +66,7 @@ def _words(state: EditorState, width: float) -> None:
         imgui.pop_style_color()
         imgui.set_item_tooltip(f"{message.text}\nClick to put this message away.")
         if imgui.is_item_clicked():
-            state.dismissed = message.number
+            put_message_away(state)
         return
     activity, opened = state.snapshot.activity, state.snapshot.opened
     if activity:

@@ -8,6 +8,7 @@ from imgui_bundle import imgui
 
 from app.ui import light_edits
 from app.ui.layout import Rect
+from app.ui.news import put_message_away
 from app.ui.state import EditorState
 from app.ui.viewport.box_tools import aimed, lamp_for_spot
 from app.ui.viewport.panes import LIGHTS, Arrangement
@@ -110,4 +111,4 @@ def _refuse(state: EditorState, why: str) -> None:
 
 def _put_refusal_away(state: EditorState) -> None:
     if (message := state.message()) is not None and message.text == state.aim.refusal:
-        state.dismissed = message.number
+        put_message_away(state)
