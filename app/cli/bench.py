@@ -69,9 +69,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     instead.add_argument("--stability", action="store_true", help="attack the pipeline instead")
     parser.add_argument(
         "--photos",
-        metavar="FOLDER",
+        metavar="PHOTOS",
         type=user_path,
-        help="portraits, for --files and --stability one alone; without, the sample portrait",
+        help="a photo or a folder of them, for --files and --stability one alone; without, the sample portrait",
     )
     parser.add_argument("--heads", metavar="DIR", type=user_path, help="test heads from relight dataset bake")
     parser.add_argument("--lights", metavar="LIGHTS", type=user_path, help="a light library, or a folder of panoramas")
@@ -129,14 +129,14 @@ def _unread(arguments: argparse.Namespace) -> dict[str, tuple[str, ...]]:
     return {"bench by itself": ("turns",), "bench without --heads": without_heads, "bench --quick": of_quick}
 
 
-def _photos(folder: Path | None, takes_one: bool) -> list[Photo]:
+def _photos(place: Path | None, takes_one: bool) -> list[Photo]:
     from relight_core.imaging.read import read_photo
 
-    if folder is None:
+    if place is None:
         return [read_photo(sample_portrait())]
-    paths = photos_after_option(folder)
+    paths = photos_after_option(place)
     if takes_one and len(paths) > 1:
-        raise InputError(f"{folder}: --files and --stability measure one photo, and there are {len(paths)} in it")
+        raise InputError(f"{place}: --files and --stability measure one photo, and there are {len(paths)} in it")
     return [read_photo(path) for path in paths]
 
 

@@ -48,7 +48,7 @@ def add_study_arguments(actions) -> None:
     effect = actions.add_parser("effect", description="Train one small network on two data sets, and compare them.")
     _add_data(effect)
     effect.add_argument("--bare", metavar="DIR", type=user_path, required=True, help="heads baked without a wardrobe")
-    effect.add_argument("--photos", metavar="FOLDER", type=user_path, required=True, help="photos of people")
+    effect.add_argument("--photos", metavar="PHOTOS", type=user_path, required=True, help="a photo or a folder of them")
     effect.add_argument("--steps", metavar="N", type=count_at_least_one, default=600, help="of training (600)")
     effect.add_argument("--size", metavar="PX", type=count_at_least_one, default=64, help="side of the images (64)")
     effect.add_argument("--pairs", metavar="N", type=count_at_least_one, default=8, help="in a batch (8)")

@@ -124,11 +124,13 @@ def check_head_sizes(heads: Path, split: str, asked: Sequence[tuple[str, int]], 
                 )
 
 
-def photos_after_option(folder: Path) -> list[Path]:
-    """The photos in the folder that stands after --photos, as of `photos_in`; raises InputError where there is none."""
-    if not folder.is_dir():
-        raise InputError(f"{folder}: no such folder; give a folder of photos after --photos")
-    return photos_in(folder)
+def photos_after_option(place: Path) -> list[Path]:
+    """What stands after --photos: one photo, or those in a folder as of `photos_in`; InputError where there is none."""
+    if place.is_file():
+        return [place]
+    if not place.is_dir():
+        raise InputError(f"{place}: no such photo or folder; give one after --photos")
+    return photos_in(place)
 
 
 def check_output_file(path: Path, suffixes: tuple[str, ...]) -> None:

@@ -170,6 +170,8 @@ def photos_of_people(paths: list[Path]) -> list[Path]:
     photos = ((path, read_photo(path).seen) for path in paths)
     people = [path for path, photo in photos if find_faces(photo) or find_small_faces(photo)]
     if not people:
+        if len(paths) == 1:
+            raise InputError(f"{paths[0]}: no face in this photo; give photos of people")
         raise InputError(f"{paths[0].parent}: no face in any of the photos; give photos of people")
     return people
 

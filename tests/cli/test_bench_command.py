@@ -28,7 +28,7 @@ def refused_in_one_line(done, told):
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (["--photos", "nowhere"], "no such folder"),
+        (["--photos", "nowhere"], "no such photo or folder"),
         (["--heads", "heads"], "--lights"),
         (["--rounds", "0"], "whole number"),
     ],
@@ -76,6 +76,23 @@ def test_photos_beyond_the_one_that_is_measured_are_refused(relight, tmp_path, w
         (tmp_path / name).touch()
     refused_in_one_line(relight("bench", wish, "--photos", tmp_path, "-o", tmp_path / "out"), "one photo")
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("words", [[], ["--session"], ["--files"], ["--stability"]])
+def test_one_photo_is_measured_as_a_folder_with_it_alone_is(relight, tmp_path, monkeypatch, words):
+    read = []
+    measures = {"_bench": list, "_session": list, "_files": lambda photo: [photo], "_stability": lambda photo: [photo]}
+    for name, photos_of in measures.items():
+        monkeypatch.setattr(bench, name, lambda _, photos, __, of=photos_of: read.append(of(photos)) or 0)
+    cv2.imwrite(str(tmp_path / "me.png"), np.full((8, 8, 3), 90, np.uint8))
+    for place in (tmp_path / "me.png", tmp_path):
+        assert relight("bench", *words, "--photos", place, "-o", tmp_path / "out").code == 0
+    assert [[photo.path for photo in photos] for photos in read] == [[tmp_path / "me.png"]] * 2
+
+
+def test_a_file_after_photos_that_is_none_is_refused_in_one_line(relight, tmp_path):
+    (tmp_path / "notes.txt").write_text("no pixels")
+    refused_in_one_line(relight("bench", "--photos", tmp_path / "notes.txt", "-o", tmp_path / "out"), "notes.txt: not")
 
 
 @pytest.fixture

@@ -345,7 +345,9 @@ def test_effect_tells_of_photos_of_nobody_before_it_trains(run, data, tmp_path, 
     Image.new("RGB", (64, 64), "grey").save(tmp_path / "wall.png")
     words = ["dataset", "effect", "--shards", data / "heads", "--lights", data / "lights.npz", "-o", data / "s.jpg"]
     words += ["--size", 32]
-    refused(run(*words, "--bare", data / "heads", "--photos", tmp_path), str(tmp_path), "no face")
+    refused(run(*words, "--bare", data / "heads", "--photos", tmp_path / "wall.png"), "wall.png: no face")
+    Image.new("RGB", (64, 64), "grey").save(tmp_path / "door.png")
+    refused(run(*words, "--bare", data / "heads", "--photos", tmp_path), f"{tmp_path}: no face")
 
 
 def test_a_recipe_s_last_stage_has_to_suit_the_heads_before_the_first_is_trained(run, data, tmp_path):

@@ -100,8 +100,10 @@ def two_faces(tmp_path, monkeypatch):
 
 def test_photos_with_a_face_however_small_are_shown_by_their_first(two_faces):
     assert dataset_effect.photos_of_people(two_faces) == two_faces[1:]
-    with pytest.raises(InputError, match="no face in any"):
+    with pytest.raises(InputError, match=r"nobody\.png: no face in this photo"):
         dataset_effect.photos_of_people(two_faces[:1])
+    with pytest.raises(InputError, match="no face in any"):
+        dataset_effect.photos_of_people(two_faces[:1] * 2)
     networks = {name: NetworkBundle(BundleConfig.tiny()).eval() for name in ("plain", "varied")}
     shown = dataset_effect.compare_photos(networks, two_faces[1:], 16)
     assert [name for name, _ in shown.pictures] == [
