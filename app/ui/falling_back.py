@@ -79,4 +79,4 @@ def _note_refused(state: EditorState) -> None:
 def _take_undoing_back(state: EditorState) -> None:
     step, state.undoing = state.undoing.step, None
     if 0 <= step < len(state.history.steps):
-        state.put_back(state.history.go(step))
+        state.put_step_back(state.history.go(step))

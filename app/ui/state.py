@@ -202,7 +202,7 @@ class EditorState:
         """Put a step of the history back, as undo does; None changes nothing.
 
         Where its photo or its light turns out to be gone, everything comes back as it was before. A light that plays
-        and is turned back by it turns no further.
+        and is turned back by it turns no further; by any other step it plays on from where it is.
         """
         if document is None:
             return
@@ -210,8 +210,14 @@ class EditorState:
         self.playing = self.playing and not self.history.has_turned
         step = self.undoing.step if self.undoing else self.history.left
         note_left(self)
-        self.put_back(document)
+        self.put_step_back(document)
         self.opening, self.undoing = None, Undoing(step, self.photo, self.light)
+
+    def put_step_back(self, document: Document) -> None:
+        """As `put_back`, but for the angle of a light that plays, which is no part of any step yet."""
+        yaw_deg = (self if self.playing else document).edit.yaw_deg
+        self.put_back(document)
+        self.change(yaw_deg=yaw_deg)
 
     def put_back(self, document: Document) -> None:
         """Set everything a document keeps; without a photo it leaves the photo as it is."""

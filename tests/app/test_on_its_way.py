@@ -144,12 +144,28 @@ def test_what_is_changed_while_the_rotation_plays_is_a_step_and_the_turn_another
     wait(editor)
     assert names(editor) == ["Open a.jpg", "Shadow 0.50"]
     undo(editor)
-    assert editor.state.edit.shadow == 1.0
+    assert (editor.state.edit.shadow, editor.state.edit.yaw_deg) == (1.0, 20.0)
+    wait(editor)
+    assert names(editor) == ["Open a.jpg", "Shadow 0.50"]
     editor.state.restore(editor.state.history.redo())
+    assert (editor.state.edit.shadow, editor.state.edit.yaw_deg) == (0.5, 20.0)
     editor.state.turn(20.0)
     editor.state.playing = False
     editor.live()
-    assert names(editor) == ["Open a.jpg", "Shadow 0.50", "Turn light to 20°"]
+    assert names(editor) == ["Open a.jpg", "Shadow 0.50", "Turn light to 40°"]
+
+
+def test_a_light_that_plays_stays_where_it_is_when_an_undo_leads_to_a_photo_that_is_gone(editor, photos):
+    editor.state.open_photo(photos[1])
+    editor.live()
+    editor.state.playing = True
+    editor.state.turn(10.0)
+    undo(editor)
+    editor.state.turn(10.0)
+    refuse_photo(editor.state)
+    assert (editor.state.photo.path, editor.state.edit.yaw_deg, editor.state.playing) == (photos[1], 20.0, True)
+    wait(editor)
+    assert names(editor) == ["Open a.jpg", "Open b.jpg"]
 
 
 def test_while_the_rotation_plays_work_is_kept_for_recovery_and_quick(editor, tmp_path):
