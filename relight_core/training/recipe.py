@@ -211,13 +211,16 @@ def follow(
 
     Raises:
         InputError: the folder holds a run of other networks, of another seed, from other weights, on other heads or
-            lights, a finished stage of another plan, or a stage that the recipe has not.
+            lights, a finished stage of another plan, or a stage that the recipe has not; or a stage learns from
+            networks that neither `start` nor a stage before it has trained.
         TrainingDiverged, InputError: as `loop.train_stage`.
     """
     if start is not None:
         _check_start(recipe, start)
     folder.mkdir(parents=True, exist_ok=True)
     _keep_to_one_run(recipe, start, folder, data_mark(heads, lights))
+    if start is None:
+        _check_order(recipe)
     before = start
     for number, plan in enumerate(recipe.stages):
         checkpoint = _checkpoint(folder, number, plan)
@@ -238,6 +241,14 @@ def _check_start(recipe: Recipe, start: Path) -> None:
         if asked not in (getattr(usual, name), getattr(has, name)):
             mend = f"leave out --start, or [networks.{name}] in the recipe"
             raise InputError(f"{start}: its {name} network is another than the recipe asks for; {mend}")
+
+
+def _check_order(recipe: Recipe) -> None:
+    """Told before the first stage: a later one would find random networks after hours of others."""
+    trained: set[str] = set()
+    for plan in recipe.stages:
+        STAGES[plan.name].check_trained(trained, recipe.networks)
+        trained |= set(STAGES[plan.name].trains)
 
 
 def _keep_to_one_run(recipe: Recipe, start: Path | None, folder: Path, data: str) -> None:

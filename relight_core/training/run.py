@@ -106,13 +106,13 @@ def train(run: Run, report: Callable[[float, Progress], None]) -> NetworkBundle:
     """Run a stage; see `loop.train_stage` for `report` and what is raised.
 
     Raises:
-        InputError: a stage that learns from trained networks is given none; samples that are not pairs of lights are
-            to be used more than once; or the stage's network takes no photos of that size.
+        InputError: a stage that learns from trained networks begins with random ones; samples that are not pairs of
+            lights are to be used more than once; or the stage's network takes no photos of that size.
     """
     torch.manual_seed(run.seed)
     stage = STAGES[run.stage]
-    if stage.distilled and run.start is None:
-        raise InputError(f"{run.stage} learns from trained networks: give their weights to start from, after --start")
+    if run.start is None:
+        stage.check_trained((), run.config)
     if stage.samples != "pairs" and run.uses > 1:
         raise InputError(f"{run.stage}: its samples are used once each; only pairs of lights can be used again")
     bundle = _networks_to_train(run, stage)

@@ -7,7 +7,7 @@ through the fixed relighting networks, then those learn on its predictions.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from functools import partial
 from typing import Literal
@@ -15,6 +15,7 @@ from typing import Literal
 import torch
 import torch.nn.functional as F
 
+from relight_core.errors import InputError
 from relight_core.imaging.tensor_colour import srgb_decode
 from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.lighting.reflection import ReflectionTable
@@ -48,6 +49,7 @@ class Stage:
     Attributes:
         name: as in recipes, and in the state of a run that is resumed.
         trains: names of the networks whose weights it changes.
+        through: those that it takes as earlier stages have trained them, to learn from what they say.
         losses: (bundle, reflection table, batch of pairs) -> loss terms.
         photographs, relief_shadow: what its samples need (see `dataset.stream.SampleStream`).
         learning_rate: the peak of its schedule.
@@ -71,12 +73,24 @@ class Stage:
     samples: Literal["pairs", "outlines", "gobos"] = "pairs"
     settled: bool = False
     recordable: bool = False
+    through: tuple[str, ...] = ()
     prepare: Callable[[NetworkBundle, ReflectionTable, Batch], Batch] | None = None
 
     def learners(self, config: BundleConfig) -> tuple[str, ...]:
         """The networks of `trains` that its losses depend on: without SS if composition is trained and ignores SS."""
         ignores_effects = "composition" in self.trains and not config.composition.effects
         return tuple(name for name in self.trains if not (ignores_effects and name == "specular_shadow"))
+
+    def check_trained(self, trained: Collection[str], config: BundleConfig) -> None:
+        """Refuse to learn through networks that nothing has trained: what random ones say teaches nothing.
+
+        Raises:
+            InputError: one of `through` that has a say is none of those that are trained.
+        """
+        unheard = () if config.composition.effects else ("specular_shadow",)
+        if set(self.through) - {*trained, *unheard}:
+            mend = "give their weights to start from, after --start, or let a recipe train them first"
+            raise InputError(f"{self.name} learns from trained networks: {mend}")
 
 
 def _warm_delight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
@@ -209,6 +223,7 @@ _STAGES = (
         learning_rate=2e-4,
         settled=True,
         recordable=True,
+        through=_RELIGHTING,
     ),
     Stage(
         "tune-delight-strongly",
@@ -219,6 +234,7 @@ _STAGES = (
         learning_rate=4e-4,
         settled=True,
         recordable=True,
+        through=_RELIGHTING,
     ),
     Stage(
         "tune-relight",
@@ -228,6 +244,7 @@ _STAGES = (
         relief_shadow=False,
         learning_rate=1e-3,
         settled=True,
+        through=("delight",),
         prepare=on_predicted_surface,
     ),
     Stage(
@@ -238,6 +255,7 @@ _STAGES = (
         relief_shadow=True,
         learning_rate=2e-4,
         settled=True,
+        through=("delight",),
     ),
     Stage(
         "distil-relight",
@@ -247,6 +265,7 @@ _STAGES = (
         relief_shadow=False,
         learning_rate=1e-3,
         distilled=True,
+        through=("delight", *_RELIGHTING),
     ),
     Stage(
         "outline",

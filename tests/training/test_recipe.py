@@ -315,6 +315,43 @@ def test_a_run_that_was_refused_keeps_no_other_from_its_folder(tmp_path, data):
         follow(mended, tmp_path, tmp_path, out, lambda *progress: None)
 
 
+def tiny_recipe(tmp_path, *stages, effects=True):
+    text = "".join(f"[[stage]]\nname = '{stage}'\nsteps = 1\n" for stage in stages)
+    tiny = BundleConfig.tiny()
+    networks = replace(tiny, composition=replace(tiny.composition, effects=effects))
+    return replace(load_recipe(written(tmp_path, text)), networks=networks)
+
+
+@pytest.mark.parametrize(
+    "stages",
+    [
+        ("warm-delight", "tune-delight"),
+        ("warm-delight", "warm-composition", "tune-delight"),
+        ("warm-relight", "tune-relight", "warm-delight"),
+    ],
+)
+def test_a_recipe_that_learns_through_networks_it_has_not_trained_is_refused_before_its_first_stage(
+    tmp_path, data, stages
+):
+    with pytest.raises(InputError, match="tune-.* learns from trained networks"):
+        follow(tiny_recipe(tmp_path, *stages), tmp_path, tmp_path, tmp_path / "out", lambda *_: None)
+    assert data == []
+
+
+@pytest.mark.parametrize(
+    ("stages", "effects"),
+    [
+        (("warm-delight", "warm-relight", "tune-delight"), True),
+        (("warm-delight", "warm-composition", "tune-delight"), False),
+    ],
+)
+def test_a_recipe_that_trains_all_that_it_learns_through_needs_no_weights_to_start_from(
+    tmp_path, data, stages, effects
+):
+    follow(tiny_recipe(tmp_path, *stages, effects=effects), tmp_path, tmp_path, tmp_path / "out", lambda *_: None)
+    assert [stage for stage, _, _ in data] == list(stages)
+
+
 def test_a_stage_is_not_taken_for_the_same_one_after_another(tmp_path, data):
     recipe, out = replace(load_recipe(written(tmp_path, SHORT)), networks=BundleConfig.tiny()), tmp_path / "out"
     first, second, last = recipe.stages

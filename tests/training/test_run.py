@@ -120,6 +120,16 @@ def test_photos_that_a_network_of_blocks_can_not_learn_from_are_refused_before_a
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize(
+    "stage", ["tune-delight", "tune-delight-strongly", "tune-relight", "tune-on-predictions", "distil-relight"]
+)
+def test_a_stage_that_learns_through_other_networks_is_refused_where_these_are_random(tmp_path, stage):
+    run = Run(stage, tmp_path, tmp_path, tmp_path / "w.safetensors", steps=1, config=BundleConfig.tiny())
+    with pytest.raises(InputError, match=f"{stage} learns from trained networks: give their weights .* --start"):
+        train(run, heedless)
+    assert not list(tmp_path.iterdir())
+
+
 class Killed(IterableDataset):
     def __init__(self, *_, **__):
         pass
