@@ -211,16 +211,13 @@ def follow(
 
     Raises:
         InputError: the folder holds a run of other networks, of another seed, from other weights, on other heads or
-            lights, a finished stage of another plan, or a stage that the recipe has not; or a stage learns from
-            networks that neither `start` nor a stage before it has trained.
+            lights, a finished stage of another plan, or one that the recipe has not; a stage finds random networks.
         TrainingDiverged, InputError: as `loop.train_stage`.
     """
-    if start is not None:
-        _check_start(recipe, start)
+    _check_start(recipe, start)
     folder.mkdir(parents=True, exist_ok=True)
     _keep_to_one_run(recipe, start, folder, data_mark(heads, lights))
-    if start is None:
-        _check_order(recipe)
+    _check_order(recipe, start)
     before = start
     for number, plan in enumerate(recipe.stages):
         checkpoint = _checkpoint(folder, number, plan)
@@ -233,8 +230,10 @@ def follow(
     return result
 
 
-def _check_start(recipe: Recipe, start: Path) -> None:
+def _check_start(recipe: Recipe, start: Path | None) -> None:
     """Weights keep the networks that they were made with, so a recipe must not ask for others without being heard."""
+    if start is None:
+        return
     has, usual = load_bundle(start).config, BundleConfig()
     for name in (field.name for field in fields(BundleConfig)):
         asked = getattr(recipe.networks, name)
@@ -243,9 +242,9 @@ def _check_start(recipe: Recipe, start: Path) -> None:
             raise InputError(f"{start}: its {name} network is another than the recipe asks for; {mend}")
 
 
-def _check_order(recipe: Recipe) -> None:
+def _check_order(recipe: Recipe, start: Path | None) -> None:
     """Told before the first stage: a later one would find random networks after hours of others."""
-    trained: set[str] = set()
+    trained = set() if start is None else {"delight", "specular_shadow", "composition"}
     for plan in recipe.stages:
         STAGES[plan.name].check_trained(trained, recipe.networks)
         trained |= set(STAGES[plan.name].trains)
