@@ -53,7 +53,7 @@ def write_demo(photo: Path, light: str | None, folder: Path) -> None:
     edit = work.edit
     make_folder(folder)
     inputs = KnownFiles([photo, work.photo.path, *light_files(light or str(photo))])
-    session.open(work.photo.path, work.photo.face_index)
+    session.open(work.photo.path, as_chosen=True)
     for name, environment in work.lights:
         output = folder / f"relit-{Path(name).stem}.png"
         check_place(output, inputs)
@@ -94,7 +94,7 @@ def _saved_work(session: Session, given: Path, light: str | None) -> _Work:
     edit = replace(document.edit, quality=QualityChoice(document.quality).at_rest())
     if light is None:
         if document.light.kind == "own":
-            session.open(photo.path, photo.face_index)
+            session.open(photo.path, as_chosen=True)
         environment = session.drawn(document.light, document.light_edit)
         return _Work(photo, [(str(given), environment)], edit)
     if light_kind(light) == "saved":

@@ -124,6 +124,7 @@ class Session:
         face_index: int | None = None,
         only: Sequence[Sequence[float]] = (),
         added: Sequence[Sequence[float]] = (),
+        as_chosen: bool = False,
     ) -> Photo:
         """Read a photo and make it the Relighter's portrait.
 
@@ -132,32 +133,54 @@ class Session:
         Args:
             only: left, top, right and bottom of faces in photo pixels, where they are not to be looked for.
             added: the same of more faces, counted after those of `only`, of the session or those that are found.
+            as_chosen: the session also says which face alone.
 
         Raises:
             InputError: not a photo, or no such face in it.
         """
-        from relight_core.face.find import FaceBox
-
         began = time.perf_counter()
         photo = _read(path)
         read_ms = (time.perf_counter() - began) * 1e3
-        corrected = self._corrected.get(os.path.realpath(path))
-        boxes, strokes = (corrected.boxes, corrected.strokes) if corrected else (None, ())
-        as_saved = boxes is not None and not only and not added
-        if only:
-            boxes = [FaceBox(*box) for box in only]
+        corrected = self._corrections_in(path, photo)
+        if as_chosen:
+            face_index = corrected.face_index
         began = time.perf_counter()
-        if added:
-            boxes = [*(self._found(photo) if boxes is None else boxes), *(FaceBox(*box) for box in added)]
+        boxes = self._boxes(photo, corrected, only, added)
         try:
-            self.relighter.set_portrait(photo, face_index, boxes, strokes)
+            self.relighter.set_portrait(photo, face_index, boxes, corrected.strokes)
         except InputError as error:
-            if not as_saved:
+            if boxes is None or boxes is not corrected.boxes:
                 raise
             hint = "the light's session says where faces are in it, and --box says it anew"
             raise type(error)(f"{error}; {hint}") from None
         self.opening_ms = {"read": read_ms, "find": (time.perf_counter() - began) * 1e3}
         return photo
+
+    def _boxes(
+        self, photo: Photo, corrected: PhotoRef, only: Sequence[Sequence[float]], added: Sequence[Sequence[float]]
+    ) -> Sequence[FaceBox] | None:
+        """Where faces are, as of `open`; None is wherever they are found."""
+        from relight_core.face.find import FaceBox
+
+        boxes = [FaceBox(*box) for box in only] if only else corrected.boxes
+        if not added:
+            return boxes
+        return [*(self._found(photo) if boxes is None else boxes), *(FaceBox(*box) for box in added)]
+
+    def _corrections_in(self, path: Path, photo: Photo) -> PhotoRef:
+        """What a saved session has of the photo that has been read; told, once, where that has another size now."""
+        from app.document.document import PhotoRef
+        from app.engine.resized import at_size, size_note, size_of
+
+        place = os.path.realpath(path)
+        saved = self._corrected.get(place)
+        if saved is None:
+            return PhotoRef(path)
+        note = size_note(saved, size_of(photo))
+        if note is not None:
+            warnings.warn(f"{path}: {note}", stacklevel=3)
+        self._corrected[place] = at_size(saved, size_of(photo))
+        return self._corrected[place]
 
     def _found(self, photo: Photo) -> tuple[FaceBox, ...]:
         """The faces that are found by themselves in a photo, which becomes the portrait where there are any."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from app.engine.resized import Size
 from app.engine.sources import LightSource, PhotoSource
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
@@ -23,6 +24,8 @@ class PhotoRef:
         boxes: where the faces are, once the user has corrected that; None is wherever the finder sees them.
         found: what the finder saw, for the names of changes; no part of what is equal.
         strokes: of the brush, who is person and what is not.
+        size: of the photo that boxes and strokes were made on, or None, as of app.engine.sources.PhotoSource; no part
+            of what is equal, since it doesn't change where they are.
     """
 
     path: Path
@@ -30,15 +33,17 @@ class PhotoRef:
     boxes: tuple[FaceBox, ...] | None = None
     found: tuple[FaceBox, ...] = field(default=(), compare=False)
     strokes: tuple[BrushStroke, ...] = ()
+    size: Size | None = field(default=None, compare=False)
 
     @classmethod
     def of(cls, source: PhotoSource, path: Path, found: tuple[FaceBox, ...] = ()) -> PhotoRef:
         """What a wish wants of the photo in a file."""
-        return cls(path, source.face_index, source.boxes, found, strokes=source.strokes)
+        return cls(path, source.face_index, source.boxes, found, source.strokes, source.size)
 
     def wish(self, photo: Photo | None = None) -> PhotoSource:
         """A wish for this portrait; with its pixels where they have been read."""
-        return PhotoSource(photo or self.path, self.face_index, self.boxes, self.strokes)
+        wish = PhotoSource(self.path, self.face_index, self.boxes, self.strokes, self.size)
+        return wish if photo is None else wish.on(photo)
 
     @property
     def faces(self) -> tuple[FaceBox, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from app.document.document import Document
@@ -106,6 +107,11 @@ class History:
         self.left, self.at = self.at, index
         self._present = self.steps[index].document
         return self._present
+
+    def refit(self, fit: Callable[[Document], Document]) -> None:
+        """Change every document alike, as where the photo in a file has come to have another size: that is no step."""
+        self.steps = [replace(step, document=fit(step.document)) for step in self.steps]
+        self._present = self._present and fit(self._present)
 
     @property
     def has_turned(self) -> bool:

@@ -21,6 +21,7 @@ from app.document.json_fields import (
     write_json,
 )
 from app.document.light_file import SavedLight, light_content, read_light, read_light_content
+from app.document.photo_size import photo_size_content, read_photo_size
 from app.engine.batch import name_beside_a_namesake
 from app.engine.places import folder_for_outputs
 from app.engine.sources import PICTURE_SUFFIXES
@@ -30,9 +31,9 @@ from relight_core.pipeline.auto_quality import AUTO
 from relight_core.pipeline.edit import EDIT_RANGES, EFFECTS, Edit, check_background
 from relight_core.pipeline.quality import TIERS
 
-KIND, VERSION = "session", 5
+KIND, VERSION = "session", 6
 """Version 1 knew no boxes of faces, version 2 no strokes of the brush, version 3 no lamps of the light's own, version 4
-no strength."""
+no strength, version 5 no size of the photo."""
 
 SESSION_SUFFIX = ".relight.json"
 NARROWEST_BACKGROUND_DEG = 5.0
@@ -159,6 +160,7 @@ def _content(document: Document, folder: Path | None) -> dict:
     edit = document.edit
     return {
         "photo": path_for_file(document.photo.path, folder),
+        "photo_size": photo_size_content(document.photo.size),
         "face": document.photo.face_index,
         "face_boxes": face_boxes_content(document.photo.boxes),
         "brush_strokes": brush_strokes_content(document.photo.strokes),
@@ -218,7 +220,7 @@ def read_lent_light(path: Path) -> LentLight:
 def _photo(fields: Fields, path: Path) -> PhotoRef:
     photo = path_from_file(fields.text("photo"), path.parent, PICTURE_SUFFIXES, str(path))
     boxes, strokes = read_face_boxes(fields, path), read_brush_strokes(fields, path)
-    return PhotoRef(photo, fields.index("face"), boxes, strokes=strokes)
+    return PhotoRef(photo, fields.index("face"), boxes, strokes=strokes, size=read_photo_size(fields, path))
 
 
 def _edit(fields: Fields, path: Path) -> Edit:

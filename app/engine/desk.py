@@ -238,14 +238,16 @@ class Desk:
     def _faces_of(self, source: PhotoSource, photo: Photo) -> tuple[FaceBox, ...]:
         """Make a photo the portrait; everyone in it, or nobody, and then the portrait before stays."""
         try:
-            self._relighter.set_portrait(photo, source.face_index, source.boxes, source.strokes)
+            wish = source.on(photo)
+            self._relighter.set_portrait(photo, wish.face_index, wish.boxes, wish.strokes)
         except NoFaceError:
             return ()
         return tuple(self._relighter.people)
 
     def _return_to_portrait(self, now: Snapshot) -> Snapshot:
-        source = now.opened.source
-        self._relighter.set_portrait(now.opened.photo, source.face_index, source.boxes, source.strokes)
+        photo = now.opened.photo
+        wish = now.opened.source.on(photo)
+        self._relighter.set_portrait(photo, wish.face_index, wish.boxes, wish.strokes)
         self._portrait = now.opened
         return now
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from app.engine.resized import Size, at_size, size_of
 from relight_core.errors import InputError, NoFaceError
 from relight_core.imaging.files import legible
 from relight_core.imaging.formats.raster import RAW_SUFFIXES
@@ -151,12 +152,18 @@ class PhotoSource:
         face_index: which face alone; None is all of them.
         boxes: where the faces are; None is wherever the finder sees them.
         strokes: of the brush, who is person and what is not.
+        size: of the photo that boxes and strokes were made on; None is whichever it turns out to have.
     """
 
     place: Path | Photo
     face_index: int | None = None
     boxes: tuple[FaceBox, ...] | None = None
     strokes: tuple[BrushStroke, ...] = ()
+    size: Size | None = None
+
+    def on(self, photo: Photo) -> PhotoSource:
+        """Another wish for the same in the photo as it was read: boxes and strokes are where they belong in that."""
+        return replace(at_size(self, size_of(photo)), place=photo)
 
     @property
     def path(self) -> Path | None:

@@ -159,4 +159,4 @@ def _wish(state: EditorState, strokes: tuple[BrushStroke, ...]) -> None:
     if not state.is_at_work():
         # Another photo is on its way, which is none of these strokes' business.
         return
-    state.photo = replace(state.photo, place=state.snapshot.opened.photo, strokes=strokes)
+    state.photo = replace(state.photo.on(state.snapshot.opened.photo), strokes=strokes)

@@ -144,4 +144,4 @@ def _wish(state: EditorState, boxes: tuple[FaceBox, ...] | None, face_index: int
     if not state.is_at_work():
         # Another photo is on its way, which has faces of its own.
         return
-    state.photo = replace(state.photo, place=state.snapshot.opened.photo, face_index=face_index, boxes=boxes)
+    state.photo = replace(state.photo.on(state.snapshot.opened.photo), face_index=face_index, boxes=boxes)

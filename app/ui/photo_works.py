@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def portrait_of(state: EditorState, path: Path) -> PhotoRef:
     """A photo with its choice of face, boxes and strokes: as wanted now, else as it was left in this run."""
     if _is_wanted(state, path):
-        return PhotoRef.of(state.photo, path)
+        return replace(state.document().photo, path=path)
     work = _work_at(state, path)
     if work is None or work.is_refused:
         return PhotoRef(path)
@@ -83,7 +83,7 @@ def begin_work(state: EditorState) -> None:
     The light and the sliders may be those of the photo before. If the photo has work of its own with other settings,
     that work is put into `waiting`, and saving does not go to its session file.
     """
-    source = state.snapshot.opened.source
+    source = state.photo if state.is_at_work() else state.snapshot.opened.source
     before, state.work_on = state.work_on, source.path and source.path.absolute()
     if state.opening and state.opening.wish is source:
         kept, state.opening = state.opening.kept, None

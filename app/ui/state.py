@@ -19,6 +19,7 @@ from app.ui.channels import PHOTO, RESULT, WHOLE_PHOTO, following
 from app.ui.export_name import suggested_name
 from app.ui.face_edits import FaceTool
 from app.ui.falling_back import fall_back, give_up_what_is_on_its_way
+from app.ui.fitted_work import fit_work
 from app.ui.in_motion import edit_in_motion
 from app.ui.layout import OpenGroups, Panels
 from app.ui.light_edits import AimTool
@@ -186,7 +187,8 @@ class EditorState:
         """What undo and sessions keep of all this."""
         photo, path = None, self.photo.path if self.photo else None
         if path:
-            photo = PhotoRef.of(self.photo, path, self._found.get(path, ()))
+            wish = self.photo.on(self.snapshot.opened.photo) if self.is_at_work() else self.photo
+            photo = PhotoRef.of(wish, path, self._found.get(path, ()))
         light = LightRef.of(self.light)
         edit = replace(self.edit, quality="final", channels=None)
         return Document(photo, light, self.light_edit, edit, self.quality.wish)
@@ -325,9 +327,9 @@ class EditorState:
         if (opened := self.snapshot.opened) is None:
             return
         if self.is_at_work():
-            self.photo = replace(self.photo, place=opened.photo, face_index=index)
+            self.photo = replace(self.photo.on(opened.photo), face_index=index)
         else:
-            self._wish_for(replace(self.photo_left or opened.source, place=opened.photo, face_index=index))
+            self._wish_for(replace((self.photo_left or opened.source).on(opened.photo), face_index=index))
             self.queue = self.queue.showing(opened.source.path)
 
     def choose_light(self, light: LightSource) -> None:
@@ -357,7 +359,8 @@ class EditorState:
             self.shown = RESULT
             self.aim = AimTool(refusal=self.aim.refusal)
             self.photo_left = None
-            self.faces = FaceTool(not snapshot.faces, snapshot.opened.source)
+            fit_work(self)
+            self.faces = FaceTool(not snapshot.faces, self.photo if self.is_at_work() else snapshot.opened.source)
             self.brush = BrushTool(radius_em=self.brush.radius_em)
             if snapshot.opened.source.path and self.is_at_work():
                 self.queue = self.queue.showing(snapshot.opened.source.path)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from app.document.document import Document, LightRef
 from app.engine.exporting import ExportSettings, export_note, write_relit
+from app.engine.resized import size_note, size_of
 from app.engine.snapshot import OpenLight
 from app.engine.sources import BORROWED_AT, RelighterLike, base_light, borrowed_light
 from relight_core.errors import InputError
@@ -61,11 +62,14 @@ def relight_as(
     output: Path,
     settings: ExportSettings,
     photos: KnownFiles,
-) -> None:
+) -> str | None:
     """Relight a document's photo as the document says, at its quality, and write it.
 
     Args:
         photos: all of the batch, none of which is written over.
+
+    Returns:
+        A line on what became of corrections that were made at another size of the photo; None where they fit.
 
     Raises:
         InputError: no photo, no face, no light, or a place that can't be written.
@@ -76,7 +80,8 @@ def relight_as(
     opened = read_photo(portrait.path)
     # Before the portrait is set, whose place a lender takes.
     environment = None if is_own else lights.of(document, relighter)
-    relighter.set_portrait(opened, portrait.face_index, portrait.boxes, portrait.strokes)
+    wish = portrait.wish(opened)
+    relighter.set_portrait(opened, wish.face_index, wish.boxes, wish.strokes)
     if is_own:
         environment = edit_light(relighter.estimated_light(BORROWED_AT), document.light_edit)
     channels = None if settings.form == ".exr" and settings.layers else ()
@@ -85,3 +90,5 @@ def relight_as(
     relit = relighter.relight(environment, replace(edit, exposure_ev=0.0))
     note = export_note(document.light.source().title, edit)
     write_relit(output, relit, settings, edit.exposure_ev, note, opened)
+    resized = size_note(portrait, size_of(opened))
+    return resized and f"{portrait.path}: {resized}"

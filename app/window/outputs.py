@@ -144,12 +144,13 @@ class Outputs:
         return promise
 
     def _start_film(self, wish: Path, replaces: bool, picture: Picture, side: int, exposure_ev: float) -> None:
-        photo, source = picture.opened.photo, picture.opened.source
+        photo = picture.opened.photo
+        wished = picture.opened.source.on(photo)
         light, edit = picture.light.environment, replace(picture.edit, exposure_ev=exposure_ev)
 
         def work(control: JobControl) -> str:
             relighter = self._make_relighter()
-            relighter.set_portrait(photo, source.face_index, source.boxes, source.strokes)
+            relighter.set_portrait(photo, wished.face_index, wished.boxes, wished.strokes)
             control.step(0, FRAMES)
             is_film = wish.suffix.lower() == ".mp4"
             frames = turning(relighter, light, edit, side, for_film=is_film)
@@ -193,8 +194,8 @@ class Outputs:
         def start(picture: Picture) -> None:
             lights = BatchLights(picture.light)
 
-            def one(relighter: RelighterLike, photo: Path, output: Path) -> None:
-                relight_as(document_of(works[photo], photo), lights, relighter, output, settings, originals)
+            def one(relighter: RelighterLike, photo: Path, output: Path) -> str | None:
+                return relight_as(document_of(works[photo], photo), lights, relighter, output, settings, originals)
 
             self._start_batch(tasks, one, replaces, then=partial(self._coming.remove, coming))
             self._last.keep(settings)
@@ -208,7 +209,7 @@ class Outputs:
     def _start_batch(
         self,
         tasks: list[tuple[Path, Path]],
-        one: Callable[[RelighterLike, Path, Path], None],
+        one: Callable[[RelighterLike, Path, Path], str | None],
         replaces: bool,
         then: Callable[[], None],
     ) -> None:
@@ -235,9 +236,10 @@ class Outputs:
                     _log.error("Batch: %s\n%s", outcome.error, outcome.fault)
                 control.step(len(outcomes), len(tasks), sum(outcome.state == "kept" for outcome in outcomes))
             said = legible(f"{summary(outcomes)}. They are in {folder}")
+            notes = [outcome.result for outcome in outcomes if outcome.result]
             if any(outcome.state == "failed" for outcome in outcomes):
-                raise InputError(said, *reasons(outcomes))
-            return said
+                raise InputError(said, *reasons(outcomes), *notes)
+            return "\n".join([said, *notes])
 
         self._exporter.start("Batch", work)
 

@@ -8,15 +8,18 @@ from fake_relighter import FakeRelighter
 from opened_things import open_light, opened_for
 from PIL import Image
 
+from app.document.document import Document, PhotoRef
 from app.engine.exporting import ExportSettings
 from app.engine.jobs import Cancelled
 from app.engine.snapshot import Picture, Snapshot
 from app.engine.sources import PhotoSource
 from app.ui.asking import Asking
+from app.ui.open_work import KeptWork
 from app.ui.state import EditorState
 from app.window.batching import relight_many
 from app.window.outputs import Outputs
 from relight_core.errors import InputError
+from relight_core.face.find import FaceBox
 from relight_core.pipeline.edit import Edit
 
 NAMES = ("a.png", "b.png", "c.png")
@@ -103,6 +106,26 @@ def test_a_batch_names_the_photos_that_failed_and_says_why(outputs, exporter, ph
     assert str(photos[1]) in reason
     assert exporter.steps[-1] == (3, 3)
     assert sorted(path.name for path in (tmp_path / "relit").iterdir()) == ["a.png", "c.png"]
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_a_batch_tells_which_photo_was_resized_since_its_faces_were_corrected(
+    outputs, exporter, photos, tmp_path, fails
+):
+    boxes = (FaceBox(10.0, 10.0, 20.0, 20.0),)
+    work = Document(PhotoRef(photos[1], None, boxes, size=(256, 192)), edit=Edit(quality="final", shadow=0.5))
+    outputs._state.works[photos[1]] = KeptWork(None, Document(PhotoRef(photos[1])), work)
+    if fails:
+        photos[2].write_bytes(b"no pixels")
+        with pytest.raises(InputError) as failure:
+            outputs.batch_over(photos, tmp_path / "relit")
+        lines = failure.value.args
+    else:
+        outputs.batch_over(photos, tmp_path / "relit")
+        lines = exporter.said.split("\n")
+    note = "was 256 by 192 pixels when it was worked on and is 128 by 96 now; scaled to that: boxes of faces"
+    assert lines[-1] == f"{photos[1]}: {note}"
+    assert len(lines) == 2 + fails
 
 
 def test_a_batch_whose_folder_can_not_be_made_says_so_before_any_photo_is_relit(outputs, exporter, photos, tmp_path):

@@ -1,5 +1,6 @@
 """One photo of a batch: under which light it is relit, and what of it is in its file."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -101,6 +102,25 @@ def test_the_faces_the_outline_and_the_quality_are_those_of_the_photo(photo, lig
     ((_, face_index, relit_boxes),) = relighter.portraits
     assert (face_index, relit_boxes, relighter.strokes) == (1, boxes, strokes)
     assert [edit.quality for edit in relighter.relights] == [at_rest]
+
+
+@pytest.mark.parametrize(
+    ("size", "seen", "told"),
+    [
+        ((64, 48), (0, (FaceBox(20, 10, 60, 50),), (BrushStroke(((2.0, 4.0),), 6.0, True),)), "64 by 48 .* scaled to"),
+        ((64, 64), (None, (FaceBox(32, 16, 96, 80),), ()), "64 by 64 .* left out: boxes of faces"),
+    ],
+)
+def test_faces_and_outline_of_a_photo_that_was_resized_are_where_they_belong_or_left_out_and_that_is_told(
+    photo, lights, size, seen, told
+):
+    boxes, strokes = (FaceBox(10, 5, 30, 25),), (BrushStroke(((1.0, 2.0),), 3.0, True),)
+    document = Document(PhotoRef(photo, 0, boxes, strokes=strokes, size=size), RING)
+    relighter, output = FakeRelighter(), photo.with_name("relit.png")
+    note = relight_as(document, lights, relighter, output, ExportSettings(".png"), KnownFiles([photo]))
+    ((_, face_index, relit_boxes),) = relighter.portraits
+    assert (face_index, relit_boxes, relighter.strokes) == seen
+    assert re.match(f"{photo}: was {told}", note)
 
 
 @pytest.mark.parametrize(("settings", "channels"), [(ExportSettings(".exr"), None), (ExportSettings(".png"), ())])

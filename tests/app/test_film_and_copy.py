@@ -77,6 +77,16 @@ def test_a_film_is_of_the_faces_and_strokes_at_the_size_and_exposure_that_are_se
     assert (tmp_path / name).read_bytes() == b"film"
 
 
+def test_a_film_that_is_asked_for_while_a_photo_of_another_size_opens_is_of_its_faces_where_they_are(
+    state, relighter, turned, tmp_path
+):
+    source = PhotoRef(tmp_path / "us.jpg", 0, (FaceBox(0.0, 1.0, 4.0, 8.0),), size=(8, 8)).wish()
+    opened = opened_for(source)
+    state.snapshot = replace(state.snapshot, picture=replace(state.snapshot.picture, opened=opened), opened=opened)
+    Outputs(state, AtOnce(), lambda: relighter).film_writer()(tmp_path / "turn.mp4", False)
+    assert [portrait[1:] for portrait in relighter.portraits] == [(0, (FaceBox(0.0, 0.5, 2.0, 4.0),))]
+
+
 @pytest.mark.parametrize(("replaces", "held"), [(False, b"another"), (True, b"film")])
 def test_a_film_replaces_another_only_where_that_was_agreed_to(state, relighter, turned, tmp_path, replaces, held):
     exporter, place = AtOnce(), tmp_path / "turn.mp4"

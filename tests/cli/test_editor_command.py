@@ -122,6 +122,20 @@ def test_without_a_display_a_session_is_relit_as_it_was_saved(
     assert (relighter.edits[0].shadow, relighter.edits[0].yaw_deg) == (0.5, 30.0)
 
 
+@pytest.mark.parametrize("light", ["ring", "own"])
+def test_without_a_display_the_face_that_was_chosen_in_a_photo_before_it_was_cropped_is_not_another_s(
+    relight, relighter, photo, tmp_path, monkeypatch, light
+):
+    monkeypatch.setattr(edit, "has_display", lambda: False)
+    monkeypatch.chdir(tmp_path)
+    boxes = (FaceBox(1.0, 2.0, 9.0, 10.0), FaceBox(12.0, 2.0, 20.0, 10.0))
+    ref = LightRef("own") if light == "own" else LightRef("rig", light)
+    write_session(tmp_path / "me.relight.json", Document(PhotoRef(photo, 1, boxes, size=(300, 10)), ref))
+    done = relight("me.relight.json")
+    assert (done.code, relighter.boxes, relighter.face_index) == (0, None, None)
+    assert done.err.count("left out: boxes of faces, the choice of one face") == 1
+
+
 @pytest.fixture
 def saved(photo, tmp_path, monkeypatch):
     """Saves work on the photo as me.relight.json, where there is no display."""

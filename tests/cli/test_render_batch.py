@@ -123,6 +123,31 @@ def test_corrections_of_a_session_that_lends_its_light_count_for_their_own_photo
     assert boxes_for(folder / "a.png") == boxes
 
 
+def test_corrections_of_a_session_fit_a_photo_that_was_resized_or_are_left_out_and_that_is_told(
+    relighter, folder, tmp_path, capsys
+):
+    boxes, strokes = (FaceBox(1.0, 2.0, 9.0, 10.0),), (BrushStroke(((3.0, 4.0),), 2.0, False),)
+    light = tmp_path / "a.relight.json"
+    words = ["render", str(folder / "a.png"), "--light", str(light), "-o", str(tmp_path / "o.png")]
+    with Image.open(folder / "a.png") as photo:
+        width, height = photo.size
+
+    def told_of(size):
+        work = PhotoRef(folder / "a.png", 0, boxes, strokes=strokes, size=size)
+        write_session(light, Document(work, LightRef("rig", "ring")))
+        assert main(words) == 0
+        return capsys.readouterr().err
+
+    assert "warning" not in told_of((width, height))
+    told = told_of((2 * width, 2 * height))
+    assert f"a.png: was {2 * width} by {2 * height} pixels" in told
+    assert told.count("scaled to that") == 1
+    assert relighter.boxes == (FaceBox(0.5, 1.0, 4.5, 5.0),)
+    assert relighter.strokes == (BrushStroke(((1.5, 2.0),), 1.0, False),)
+    assert "left out: boxes of faces, strokes" in told_of((2 * width, 4 * height))
+    assert (relighter.boxes, relighter.strokes) == (None, ())
+
+
 def test_what_a_saved_light_was_mended_of_is_told(relighter, folder, tmp_path, capsys):
     path = tmp_path / "mine.light.json"
     write_light(path, SavedLight(LightRef("rig", "ring")))

@@ -69,6 +69,15 @@ def test_a_stroke_with_no_width_gets_the_thinnest_and_is_noted(session):
     assert read.notes == ("radius_px 0 is out of range and became 0.1",)
 
 
+@pytest.mark.parametrize(
+    "size",
+    [{}, {"width": 40}, {"width": 0, "height": 30}, {"width": 40, "height": 30.5}, {"width": -40, "height": 30}],
+)
+def test_a_size_of_the_photo_that_is_none_is_refused(session, size):
+    with pytest.raises(InputError, match="the photo's size is none; mend the file or delete its photo_size"):
+        session(photo_size=size)
+
+
 @pytest.mark.parametrize("boxes", [None, (), (FaceBox(1.0, 2.0, 30.0, 40.0),)])
 def test_a_wish_for_a_photo_keeps_who_is_relit_where_and_what_was_painted(tmp_path, boxes):
     source = PhotoSource(tmp_path / "me.jpg", 1, boxes, STROKES)

@@ -46,6 +46,17 @@ def test_a_drag_is_one_step_however_many_frames_it_takes(history):
     assert history.redo() == edited(yaw_deg=35.0)
 
 
+def test_what_changes_in_every_step_alike_is_no_step_and_leaves_nothing_to_undo(history):
+    history.observe(edited(shadow=0.5), True, 1.0)
+    history.go(0)
+    resized = replace(START, photo=replace(START.photo, boxes=(FaceBox(0.0, 0.0, 9.0, 9.0),)))
+    history.refit(lambda document: replace(document, photo=resized.photo))
+    assert not history.can_undo
+    history.observe(resized, True, 2.0)
+    assert names(history) == ["Open me.jpg", "Shadow 0.50"]
+    assert history.redo() == replace(resized, edit=edited(shadow=0.5).edit)
+
+
 def test_a_drag_that_another_photo_ends_is_a_step_but_what_was_only_awaited_is_none(history):
     other = replace(START, photo=PhotoRef(Path("you.jpg")))
     history.observe(edited(yaw_deg=35.0), False, 1.0)

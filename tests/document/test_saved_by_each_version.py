@@ -29,6 +29,7 @@ STROKES = [{"adds": True, "radius_px": 20.5, "points": "12.5,-3 40.1,99999.9"}]
 THIRD = SECOND | {"version": 3, "brush_strokes": STROKES}
 FOURTH = THIRD | {"version": 4, "light": LIGHT | {"boxes": [SQUARE, LAMP], "apart": True}}
 FIFTH = FOURTH | {"version": 5, "edit": EDIT | {"strength": 0.4}}
+SIXTH = FIFTH | {"version": 6, "photo_size": {"width": 6000, "height": 4000}}
 
 LIKE_ALL_BEFORE = {"form": "rectangle", "hole": 0.0, "off": False, "name": ""}
 
@@ -48,9 +49,9 @@ def photo(tmp_path):
     return tmp_path / "me.jpg"
 
 
-def document(photo, boxes=None, strokes=(), light_edit=PLAIN, strength=1.0):
-    edit = replace(SET, strength=strength)
-    return Document(PhotoRef(photo, 1, boxes, strokes=strokes), LightRef("rig", "ring"), light_edit, edit, "draft")
+def document(photo, boxes=None, strokes=(), light_edit=PLAIN, strength=1.0, size=None):
+    edit, portrait = replace(SET, strength=strength), PhotoRef(photo, 1, boxes, strokes=strokes, size=size)
+    return Document(portrait, LightRef("rig", "ring"), light_edit, edit, "draft")
 
 
 @pytest.mark.parametrize(
@@ -61,6 +62,7 @@ def document(photo, boxes=None, strokes=(), light_edit=PLAIN, strength=1.0):
         (THIRD, {"boxes": FACE, "strokes": STROKE}),
         (FOURTH, {"boxes": FACE, "strokes": STROKE, "light_edit": APART}),
         (FIFTH, {"boxes": FACE, "strokes": STROKE, "light_edit": APART, "strength": 0.4}),
+        (SIXTH, {"boxes": FACE, "strokes": STROKE, "light_edit": APART, "strength": 0.4, "size": (6000, 4000)}),
     ],
 )
 def test_a_session_of_every_version_opens(photo, content, held):
@@ -68,6 +70,7 @@ def test_a_session_of_every_version_opens(photo, content, held):
     path.write_text(json.dumps(content))
     session = read_session(path)
     assert session.document == document(photo, **held)
+    assert session.document.photo.size == held.get("size")
     assert session.notes == ()
 
 
@@ -84,8 +87,8 @@ def test_a_light_of_every_version_opens(tmp_path, version, light, held):
 
 def test_what_is_saved_is_what_the_newest_version_reads(photo):
     path, light = photo.with_name("me.relight.json"), photo.with_name("my.light.json")
-    write_session(path, document(photo, FACE, STROKE, APART, 0.4))
+    write_session(path, document(photo, FACE, STROKE, APART, 0.4, (6000, 4000)))
     boxes = [SQUARE | LIKE_ALL_BEFORE, LAMP]
-    assert json.loads(path.read_text()) == FIFTH | {"light": FIFTH["light"] | {"boxes": boxes}}
+    assert json.loads(path.read_text()) == SIXTH | {"light": SIXTH["light"] | {"boxes": boxes}}
     write_light(light, SavedLight(LightRef("rig", "ring"), APART, 120.0))
     assert json.loads(light.read_text())["version"] == 2

@@ -202,7 +202,7 @@ WRONG = [
     {"brush_strokes": [{"adds": True, "radius_px": "3", "points": "1,2"}]},
     {"brush_strokes": [{"adds": True, "radius_px": 3}]},
     *({"brush_strokes": [{"adds": True, "radius_px": 3, "points": points}]} for points in NO_POINTS),
-    {"version": 6},
+    {"version": 7},
     {"version": None},
     {"relight": "light"},
     {"photo": None},
