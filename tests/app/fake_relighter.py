@@ -128,7 +128,7 @@ class FakeRelighter:
         height, width = self.photo.linear.shape[:2]
         ramp = np.linspace(0.0, 1.0, width, dtype=np.float32)[None, :, None]
         shading = left * (1 - ramp) + right * ramp
-        image = np.ascontiguousarray(self.photo.linear * shading / max(left, right))
+        image = np.ascontiguousarray(self.photo.linear * shading / max(left, right, 1e-12))
         alpha = None
         if edit.background == "transparent":
             alpha = np.ones((height, width), np.float32)

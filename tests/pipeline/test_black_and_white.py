@@ -199,7 +199,8 @@ class TestRelighting:
         photo[:, 120:] = photo[:, 120:].mean(-1, keepdims=True)
         relighter = Relighter(weights)
         relighter.set_portrait(Photo(photo), boxes=[FaceBox(28, 16, 64, 72), FaceBox(176, 16, 212, 72)])
-        radiance = some_light().shape * np.float32([1.0, 0.4, 0.1])
+        # Of a level at which gains are about 1, since single precision rounds larger ones by more.
+        radiance = some_light().shape * np.float32([0.5, 0.2, 0.05])
         relit = relighter.relight(Environment.from_radiance(radiance), replace(EDIT, background="light"))
         own, printed = relit.full.changes
         assert own.gain[..., 0].mean() > 1.5 * own.gain[..., 2].mean()
