@@ -20,6 +20,7 @@ from relight_core.imaging.ramp import ramp
 from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.tensor_images import as_image, as_tensor, resized
 from relight_core.imaging.tensor_logs import exact_logs
+from relight_core.imaging.tensor_means import middle_values
 from relight_core.pipeline.stages import Surface, reparsed
 
 _FEWEST_EYE_PIXELS = 4
@@ -99,11 +100,12 @@ def find_face_covering(surface: Surface) -> FaceCovering | None:
     sure = share > SURELY
     if int(sure.sum()) < FEWEST_PIXELS:
         return None
-    return FaceCovering(share[None, None], _middle(seen, sure) - _middle(seen, bare))
+    contrast = middle_values(seen, sure) - middle_values(seen, bare)
+    return FaceCovering(share[None, None], contrast.flatten())
 
 
 def _seen_of_person(surface: Surface) -> torch.Tensor:
-    """Log colours (3, S, S), each the mean over 3 x 3 pixels: in single pixels, black cloth's colours are noise.
+    """Log colours (1, 3, S, S), each the mean over 3 x 3 pixels: in single pixels, black cloth's colours are noise.
 
     What is behind the person doesn't count, so that a jaw's edge doesn't have the colour of a wall.
     """
@@ -111,18 +113,13 @@ def _seen_of_person(surface: Surface) -> torch.Tensor:
     def mean(image: torch.Tensor) -> torch.Tensor:
         return F.avg_pool2d(image, 3, 1, 1, count_include_pad=False)
 
-    return exact_logs(mean(surface.photo * surface.person) / mean(surface.person).clamp_min(1e-3))[0]
+    return exact_logs(mean(surface.photo * surface.person) / mean(surface.person).clamp_min(1e-3))
 
 
 def _off_colour(seen: torch.Tensor, bare: torch.Tensor) -> torch.Tensor:
-    """How far log colours (3, S, S) are from the median of bare skin (S, S), bool, in log ratios to green, (S, S)."""
-    ratios = seen - seen[1]
-    return (ratios - _middle(ratios, bare)[:, None, None]).abs().amax(0)
-
-
-def _middle(image: torch.Tensor, where: torch.Tensor) -> torch.Tensor:
-    """Medians (3,) of an image (3, S, S) over a part (S, S), bool."""
-    return image[:, where].median(1).values
+    """How far log colours (1, 3, S, S) are from those of bare skin (S, S), bool, in log ratios to green, (S, S)."""
+    ratios = seen - seen[:, 1:2]
+    return (ratios - middle_values(ratios, bare)).abs().amax(1)[0]
 
 
 def _below_the_eyes(parsing: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor, float] | None:

@@ -45,23 +45,30 @@ def take_apart(bundle: NetworkBundle, photo_view: np.ndarray, tier: Tier, device
     As the tier says, shadows from outside are removed first, and skin gets a second look. Hair that the parsing takes
     for scalp is corrected before that. A mask over the mouth has the colour of skin in the meantime.
     """
-    seen = resize_area(photo_view, (tier.delight_size, tier.delight_size))
+    whole = resize_area(photo_view, (tier.delight_size, tier.delight_size))
     how = {"mirrored": tier.mirrored, "precision": tier.precision}
-    found = stages.delight(bundle, seen, tier.network_size, device, **how)
-    covering, shadow, worn = find_face_covering(found), None, seen
+    found = stages.delight(bundle, whole, tier.network_size, device, **how)
+    covering, shadow, seen = find_face_covering(found), None, whole
     if covering is not None:
-        seen = covering.taken_off(seen)
+        seen = covering.taken_off(whole)
         found = stages.delight(bundle, seen, tier.network_size, device, **how)
     if tier.takes_foreign_shadow_off:
         shadow = find_foreign_shadow(bundle, as_tensor(seen, device), found.parsing, tier.precision)
     if shadow is not None:
-        seen, worn = (as_image(without_shadow(as_tensor(view, device), shadow)) for view in (seen, worn))
+        seen = _without(shadow, seen)
         found = replace(stages.delight(bundle, seen, tier.network_size, device, **how), foreign_shadow=shadow)
     found = with_cropped_hair(with_hair_on_scalp(with_white_hair(found)))
     if tier.looks_twice:
         even = evenly_lit(seen, found)
         found = with_skin_of(found, stages.delight(bundle, even, tier.network_size, device, **how))
-    return found if covering is None else covering.put_on(found, worn)
+    if covering is None:
+        return found
+    return covering.put_on(found, whole if shadow is None else _without(shadow, whole))
+
+
+def _without(shadow: torch.Tensor, view: np.ndarray) -> np.ndarray:
+    """A view (D, D, 3), linear, with the shadows from outside removed."""
+    return as_image(without_shadow(as_tensor(view, shadow.device), shadow))
 
 
 def evenly_lit(photo: np.ndarray, found: stages.Surface) -> np.ndarray:
