@@ -191,13 +191,19 @@ def test_undo_and_redo_go_on_past_the_opening_of_a_resized_photo(editor, sizes, 
     assert (held(state.document().photo), state.edit.shadow) == ((1, HALF, HALF_STROKES, SMALL), 0.2)
 
 
-def test_undo_back_to_a_photo_that_was_resized_meanwhile_keeps_the_steps_after_it(editor, sizes, session, photos):
+def left_and_resized(editor, sizes, session, photos):
+    """The state of an editor in which the session's photo was changed and left for another, and is smaller now."""
     state = opened(editor, session)
     state.change(shadow=0.2)
     editor.live()
     editor.deeds._take([photos[1]])
     editor.live()
     sizes[photos[0]] = SMALL
+    return state
+
+
+def test_undo_back_to_a_photo_that_was_resized_meanwhile_keeps_the_steps_after_it(editor, sizes, session, photos):
+    state = left_and_resized(editor, sizes, session, photos)
     names = [step.name for step in state.history.steps]
     for _ in range(2):
         state.restore(state.history.undo())
@@ -209,12 +215,7 @@ def test_undo_back_to_a_photo_that_was_resized_meanwhile_keeps_the_steps_after_i
 
 
 def test_a_step_of_a_resized_photo_comes_back_from_another_photo_without_a_question(editor, sizes, session, photos):
-    state = opened(editor, session)
-    state.change(shadow=0.2)
-    editor.live()
-    editor.deeds._take([photos[1]])
-    editor.live()
-    sizes[photos[0]] = SMALL
+    state = left_and_resized(editor, sizes, session, photos)
     state.restore(state.history.go(0))
     editor.live()
     assert (held(state.document().photo), state.edit.shadow) == ((1, HALF, HALF_STROKES, SMALL), 0.5)

@@ -11,7 +11,6 @@ from refusals import refused
 from synthetic_heads import write_balls, write_lights
 
 from relight_core.dataset.lighting.lights import load_lights
-from relight_core.evaluation import dataset_effect
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
 from relight_core.pipeline import quality
 
@@ -322,34 +321,6 @@ def test_speed_is_a_table_and_says_when_the_machine_is_busy(run, data, monkeypat
     assert "load average" not in run(*words, "--size", 16)[1], "Windows does not tell"
 
 
-def test_effect_refuses(run, data):
-    words = ["dataset", "effect", "--shards", data / "heads", "--lights", data / "lights.npz", "-o", data / "s.png"]
-    refused(run(*words, "--bare", data / "heads", "--photos", data, "--size", 65), "multiple")
-    refused(run(*words, "--bare", data / "heads", "--photos", data, "--size", 64), "no size of 64", "dataset effect")
-    words += ["--size", 32]
-    refused(run(*words, "--bare", data / "heads", "--photos", data / "gone"), "gone")
-    refused(run(*words, "--bare", data / "none", "--photos", data), "none")
-    refused(run(*words, "--bare", data / "heads", "--photos", data), "no photos in this folder")
-
-
-def test_effect_tells_of_a_photo_it_can_t_read_before_it_trains(run, data, tmp_path, monkeypatch):
-    monkeypatch.setattr(dataset_effect, "trained", lambda *_, **__: pytest.fail("trained in vain"))
-    (tmp_path / "torn.jpg").write_bytes(b"torn")
-    words = ["dataset", "effect", "--shards", data / "heads", "--lights", data / "lights.npz", "-o", data / "s.png"]
-    words += ["--size", 32]
-    refused(run(*words, "--bare", data / "heads", "--photos", tmp_path), "torn.jpg")
-
-
-def test_effect_tells_of_photos_of_nobody_before_it_trains(run, data, tmp_path, monkeypatch):
-    monkeypatch.setattr(dataset_effect, "trained", lambda *_, **__: pytest.fail("trained in vain"))
-    Image.new("RGB", (64, 64), "grey").save(tmp_path / "wall.png")
-    words = ["dataset", "effect", "--shards", data / "heads", "--lights", data / "lights.npz", "-o", data / "s.jpg"]
-    words += ["--size", 32]
-    refused(run(*words, "--bare", data / "heads", "--photos", tmp_path / "wall.png"), "wall.png: no face")
-    Image.new("RGB", (64, 64), "grey").save(tmp_path / "door.png")
-    refused(run(*words, "--bare", data / "heads", "--photos", tmp_path), f"{tmp_path}: no face")
-
-
 def test_a_recipe_s_last_stage_has_to_suit_the_heads_before_the_first_is_trained(run, data, tmp_path):
     stage = "[[stage]]\nname = 'warm-relight'\nsteps = 1\nsize = "
     (tmp_path / "r.toml").write_text(f"{stage}32\n{stage}64")
@@ -372,31 +343,8 @@ def test_joining_reads_no_samples(run, data, option):
     refused(run(*words, option, data / "heads", "-o", data / "x.safetensors"), option)
 
 
-def test_effect_keeps_its_photos_and_what_is_no_folder(run, data, tmp_path, monkeypatch):
-    monkeypatch.setattr(dataset_effect, "trained", lambda *_, **__: pytest.fail("trained in vain"))
-    photo = tmp_path / "a.png"
-    Image.new("RGB", (8, 8)).save(photo)
-    words = ["dataset", "effect", "--shards", data / "heads", "--lights", data / "lights.npz"]
-    words += ["--bare", data / "heads", "--photos", tmp_path, "--size", 32]
-    refused(run(*words, "-o", photo), "a.png", "input")
-    refused(run(*words, "-o", tmp_path / "s.png", "--work", photo), "a.png")
-
-
 def test_a_recipe_s_result_is_not_written_over_the_weights_it_begins_with(run, data, tmp_path):
     start = tmp_path / "relight.safetensors"
     save_bundle(start, NetworkBundle(BundleConfig.tiny()))
     words = ["train", "--recipe", "person", "--heads", data / "heads", "--lights", data / "lights.npz"]
     refused(run(*words, "--start", start, "-o", tmp_path), "written over")
-
-
-def test_effect_shows_a_dash_for_what_no_photo_tells(run, data, tmp_path, monkeypatch):
-    figures = dataset_effect.DatasetFigures(detail=0.5, spread=0.25, light_left=np.nan)
-    found = dataset_effect.Comparison({"plain": figures}, [("photo", np.zeros((32, 32, 3), np.float32))], 1)
-    monkeypatch.setattr(dataset_effect, "trained", lambda *_, **__: None)
-    monkeypatch.setattr(dataset_effect, "photos_of_people", lambda paths: paths)
-    monkeypatch.setattr(dataset_effect, "compare_photos", lambda *_: found)
-    cv2.imwrite(str(tmp_path / "one.png"), np.zeros((8, 8, 3), np.uint8))
-    words = ["dataset", "effect", "--shards", data / "heads", "--bare", data / "heads", "--lights", data / "lights.npz"]
-    code, out, _ = run(*words, "--photos", tmp_path, "--size", 32, "-o", data / "s.png")
-    assert code == 0
-    assert "| plain | 0.500 | 0.250 | – | 1 |" in out
