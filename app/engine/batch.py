@@ -16,6 +16,7 @@ from app.faults import confession
 from relight_core.errors import InputError
 from relight_core.imaging.files import KnownFiles
 from relight_core.imaging.formats.raster import RAW_SUFFIXES
+from relight_core.unwanted import UnwantedError
 
 _NO_MEMORY = ("allocate memory", "out of memory", "insufficient memory")
 """What libraries say, whose exceptions are no MemoryError."""
@@ -54,7 +55,8 @@ def relight_each(
         kept_if: whether to leave an output alone, asked when its photo's turn comes; None makes all of them.
 
     Raises:
-        Exception: memory has run out, or nobody reads what is told: no other photo would fare better.
+        Exception: memory has run out, or nobody reads what is told, or wants it any more: no other photo would fare
+            better.
     """
     for photo, output in tasks:
         if kept_if is not None and kept_if(photo, output):
@@ -65,7 +67,7 @@ def relight_each(
         except InputError as error:
             yield Outcome(photo, output, "failed", str(error))
         except Exception as error:
-            if isinstance(error, BrokenPipeError) or _is_out_of_memory(error):
+            if isinstance(error, (BrokenPipeError, UnwantedError)) or _is_out_of_memory(error):
                 raise
             # The text, not the exception: that would keep the photo's arrays until the batch has ended.
             yield Outcome(photo, output, "failed", f"{photo}: {confession(error)}", fault=traceback.format_exc())

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 from app.faults import error_line
 from relight_core.errors import InputError
+from relight_core.unwanted import UnwantedError, stopping_when
 
 _log = logging.getLogger(__name__)
 
@@ -117,7 +118,7 @@ class Jobs:
             return self._status and replace(self._status, waiting=self._waiting)
 
     def cancel(self, job: JobStatus) -> None:
-        """Stop this job at its next step; nothing where it has ended since, and another one runs."""
+        """Stop this job at its next step or amid its search for faces, but no other that runs since it has ended."""
         with self._lock:
             if self._status is None or self._status.number != job.number:
                 return
@@ -164,8 +165,10 @@ class Jobs:
         try:
             if self._begins_no_more:
                 raise Cancelled
-            line, is_error = work(JobControl(self, name)), False
-        except Cancelled:
+            # A search for faces lies between two steps, and may take half a minute.
+            with stopping_when(self.is_cancelled):
+                line, is_error = work(JobControl(self, name)), False
+        except (Cancelled, UnwantedError):
             line, is_error = f"{name}: cancelled", False
         except InputError as error:
             line, is_error = error_line(error), True

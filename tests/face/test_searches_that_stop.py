@@ -1,8 +1,11 @@
 """A search for faces that nobody waits for any more stops, and leaves no trace."""
 
+import cv2
 import numpy as np
 import pytest
+import skimage
 
+from relight_core.face.cascades import every_hit, every_profile_hit
 from relight_core.face.find import (
     FaceBox,
     find_faces,
@@ -90,3 +93,32 @@ def test_beyond_the_work_that_it_was_laid_around_nobody_is_asked():
     with pytest.raises(UnwantedError), stopping_when(lambda: True):
         stop_if_unwanted()
     stop_if_unwanted()
+
+
+def test_in_a_large_image_each_size_of_heads_is_searched_for_by_itself_and_asked_about(monkeypatch):
+    looks = []
+
+    class Noted:
+        def getOriginalWindowSize(self):
+            return 20, 20
+
+        def detectMultiScale2(self, grey, step, neighbours, flags, smallest, largest):
+            looks.append((smallest, largest))
+            return (), ()
+
+    monkeypatch.setattr("relight_core.face.cascades._cascade", lambda name: Noted())
+    with stopping_when(asked := Asked()):
+        assert every_profile_hit(np.zeros((40, 1401), np.uint8)) == []
+    sides = [29, 32, 35, 39]
+    assert looks == 2 * [((side, side), (side, side)) for side in sides]
+    assert asked.count == len(looks)
+
+
+def test_size_by_size_the_same_hits_are_found(monkeypatch):
+    grey = cv2.cvtColor(skimage.data.astronaut()[30:250, 110:330], cv2.COLOR_RGB2GRAY)
+    small = cv2.resize(grey, (110, 110), interpolation=cv2.INTER_AREA)
+    (at_once,) = every_hit(small)
+    monkeypatch.setattr("relight_core.face.cascades._SEARCHED_AT_ONCE_PX", 100)
+    (by_size,) = every_hit(small)
+    np.testing.assert_array_equal(by_size.box, at_once.box)
+    assert by_size.votes == at_once.votes > 8
