@@ -7,6 +7,7 @@ heads and a light library are given, with the truth. Into the folder go bench.js
 With --session, an editing session is replayed on every photo instead (open, turn the light a full circle, drag
 both sliders, swap lights), then every light of the library is visited: how many stage runs the plan avoids, what
 time that saves, and the largest error that each of its rules makes. Into the folder go session.json and session.md.
+The exit code is 1 if a picture is further off than the plan stated.
 
 With --files, a photo is enlarged to 24 megapixels and relit to every kind of file, for time, memory and
 size: files.json and files.md.
@@ -37,11 +38,12 @@ from app.cli.maker_inputs import (
     progress,
     refuse_unread,
 )
-from app.cli.outputs import make_folder, write_report
+from app.cli.outputs import check_report, make_folder, write_report
 from app.cli.report import Report, reporting
 from app.cli.session import sample_portrait
 from app.engine.pace import leave_a_core
 from relight_core.errors import InputError
+from relight_core.imaging.files import KnownFiles
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -92,6 +94,8 @@ def run(arguments: argparse.Namespace) -> int:
     leave_a_core()
     with reporting(arguments.json) as report:
         photos = _photos(arguments.photos, arguments.files or arguments.stability)
+        instead = next((name for name in ("session", "files", "stability") if getattr(arguments, name)), "bench")
+        check_report(arguments.output / instead, KnownFiles(photo.path for photo in photos))
         make_folder(arguments.output)
         if arguments.files:
             return _files(arguments, photos[0], report)
@@ -254,10 +258,12 @@ def _stability(arguments: argparse.Namespace, photo: Photo, report: Report) -> i
 
 
 def _session(arguments: argparse.Namespace, photos: list[Photo], report: Report) -> int:
+    are_broken = False
     for page, record in _replayed(arguments, photos):
         report.figures(page, record)
         write_report(arguments.output / "session", page, record)
-    return 0
+        are_broken = any(of["broken"] for of in record.values() if isinstance(of, dict) and "broken" in of)
+    return 1 if are_broken else 0
 
 
 def _replayed(arguments: argparse.Namespace, photos: list[Photo]) -> Iterator[tuple[str, dict]]:

@@ -28,9 +28,10 @@ from app.cli.maker_inputs import (
     count_from_zero,
     progress,
 )
-from app.cli.outputs import make_folder
+from app.cli.outputs import check_place, make_folder
 from app.cli.streams import say
 from relight_core.errors import InputError
+from relight_core.imaging.files import KnownFiles
 
 _HEADS = "a head model, an .npz, or a folder of scans"
 
@@ -112,12 +113,13 @@ def _add_skins(casting, wardrobe: Path, folder: Path) -> None:
 
 
 def _skins(arguments: argparse.Namespace) -> int:
-    from relight_core.dataset.painting.skin_textures import write_skins
+    from relight_core.dataset.painting.skin_textures import FILE_NAME, write_skins
     from relight_core.dataset.painting.skin_transfer import transfer_skins
     from relight_core.evaluation.counted import counted
 
     if arguments.heads.is_dir():
         raise InputError(f"{arguments.heads}: skins are carried onto a head model; give its .npz")
+    check_place(arguments.out / FILE_NAME, KnownFiles([arguments.heads]), folder_is_made=True)
     casting = _casting(arguments.heads, arguments.wardrobe)
     make_folder(arguments.out)
     skins = transfer_skins(arguments.wardrobe, casting.model)

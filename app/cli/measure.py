@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 
 from app.cli.arguments import user_path
 from app.cli.maker_inputs import check_output_file, count_at_least_one, count_from_zero, number_above_zero
-from app.cli.outputs import write_text
+from app.cli.outputs import check_place, write_text
 from app.cli.streams import say, tell
+from relight_core.imaging.files import KnownFiles
 from relight_core.pipeline.quality import TIERS
 
 if TYPE_CHECKING:
@@ -59,6 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     if arguments.output:
         check_output_file(arguments.output, (".json",))
+        check_place(arguments.output, KnownFiles(arguments.photos))
     speed, told = WindowSpeed(), tell if arguments.json else say
     try:
         for now in measure_window(

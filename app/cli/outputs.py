@@ -157,6 +157,13 @@ def folder_filled_at_once(folder: Path) -> Iterator[Path]:
             os.replace(path, folder / path.name)
 
 
+def check_report(place: Path, inputs: KnownFiles) -> None:
+    """Raise InputError if one of the files of a report, PLACE.md, PLACE.json and maybe PLACE.png, is an input."""
+    for path in map(place.with_suffix, (".md", ".json", ".png")):
+        if (given := inputs.named(path)) is not None:
+            raise InputError(f"{path}: that is the input {given}; choose another folder after -o")
+
+
 def write_report(place: Path, page: str, record: dict) -> None:
     """What was measured, as PLACE.md for people and as PLACE.json for programs."""
     write_text(place.with_suffix(".md"), page)

@@ -129,3 +129,11 @@ def test_baking_scans_refuses(run, tmp_path):
     refused(run(*words), "no scans")
     refused(run(*words, "--wardrobe", tmp_path), "wardrobe")
     refused(run("dataset", "skins", "--heads", scans, "--wardrobe", tmp_path, "--out", tmp_path), "head model")
+
+
+def test_a_head_model_is_not_written_over_by_the_skins_that_are_carried_onto_it(run, tmp_path):
+    model = tmp_path / "skins.npz"
+    model.write_bytes(b"a model")
+    words = ["--wardrobe", tmp_path, "--out", tmp_path]
+    refused(run("dataset", "skins", "--heads", model, *words), f"{model}: that is the input")
+    assert model.read_bytes() == b"a model"

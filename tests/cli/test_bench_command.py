@@ -221,3 +221,31 @@ def test_a_session_is_replayed_on_every_photo_with_the_weights_that_are_measured
     visited = 3 if "--quick" in words else len(rig_names())
     assert (pages[0][1]["session"]["lights"], pages[0][1]["visits"]["lights"]) == (1, visited)
     assert f"visits: 2 photos, {visited} lights" in pages[1][0]
+
+
+@pytest.mark.parametrize(
+    ("words", "name"),
+    [([], "bench.png"), (["--session"], "session.json"), (["--files"], "files.md"), (["--stability"], "stability.png")],
+)
+def test_a_photo_called_as_what_is_written_is_not_written_over(relight, tmp_path, monkeypatch, words, name):
+    for measure in ("_bench", "_session", "_files", "_stability"):
+        monkeypatch.setattr(bench, measure, lambda *_: pytest.fail("it was measured"))
+    photo = tmp_path / name
+    photo.write_bytes(cv2.imencode(".png", np.full((8, 8, 3), 90, np.uint8))[1].tobytes())
+    before = photo.read_bytes()
+    refused_in_one_line(relight("bench", *words, "--photos", photo, "-o", tmp_path), f"{photo}: that is the input")
+    assert photo.read_bytes() == before
+
+
+@pytest.mark.parametrize("broken", ["session", "visits", None])
+def test_a_session_s_picture_that_exceeds_its_bound_is_told_by_the_exit_code_and_all_is_written(
+    relight, tmp_path, monkeypatch, broken
+):
+    def record(photos):
+        plays = {name: {"broken": ["ring at 30 degrees"] if name == broken else []} for name in ("session", "visits")}
+        return {"machine": {}, "photos": photos, **plays}
+
+    monkeypatch.setattr(bench, "_replayed", lambda *_: iter([("one photo", record(1)), ("two photos", record(2))]))
+    assert relight("bench", "--session", "-o", tmp_path).code == (0 if broken is None else 1)
+    assert (tmp_path / "session.md").read_text() == "two photos"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["session.json", "session.md"]

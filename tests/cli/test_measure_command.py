@@ -33,3 +33,12 @@ def test_an_output_that_can_not_be_written_is_told_at_the_start(relight_and_look
     assert done.code == 2
     assert done.err.count("\n") == 1
     assert name.partition("/")[0] in done.err
+
+
+def test_a_photo_is_not_written_over_by_what_is_measured_of_it(relight_and_look, photo):
+    named_oddly = photo.rename(photo.with_name("photo.json"))
+    before = named_oddly.read_bytes()
+    done = relight_and_look(named_oddly, "-o", named_oddly)
+    assert done.code == 2
+    assert f"{named_oddly}: that is the input" in done.err
+    assert named_oddly.read_bytes() == before
