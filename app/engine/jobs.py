@@ -74,8 +74,7 @@ class Jobs:
     """Runs jobs one after the other.
 
     Args:
-        say: told what became of each: a line, and whether it is an error; before it the errors of those it waited for,
-            which it would else cover.
+        say: told what became of each: a line, and whether it is an error.
         wake: called when the status has changed.
         on_start: called first on the thread the jobs run on; they run even if it fails.
 
@@ -95,7 +94,6 @@ class Jobs:
         self._lock = threading.Lock()
         self._status: JobStatus | None = None
         self._waiting = self._untold = self._number = 0
-        self._errors: list[str] = []
         self.failures = 0
         self._cancel = threading.Event()
         self._begins_no_more = False
@@ -176,18 +174,11 @@ class Jobs:
             _log.error("%s failed", name, exc_info=error)
             line, is_error = error_line(error), True
         self.publish(None)
-        self._tell(line, is_error)
+        self._say(line, is_error)
         with self._lock:
             self.failures += is_error
             self._untold -= 1
         self._wake()
-
-    def _tell(self, line: str, is_error: bool) -> None:
-        before = [error for error in self._errors if error != line]
-        self._say("\n".join([*before, line]), is_error or bool(before))
-        with self._lock:
-            is_last = self._waiting == 0
-        self._errors = [] if is_last else [*before, *([line] if is_error else [])]
 
 
 def _stopping(status: JobStatus) -> JobStatus:

@@ -12,7 +12,10 @@ from PIL import Image
 from app.engine.batch import is_done, photos_in, relight_each, summary
 from app.engine.film import write_film
 from app.engine.jobs import Cancelled, JobControl, Jobs, JobStatus
+from app.engine.snapshot import Message
 from app.engine.turntable import turning, write_pictures
+from app.ui.news import put_message_away
+from app.ui.state import EditorState
 from app.ui.viewport.progress_card import words
 from app.window.outputs import _write_frame
 from relight_core.errors import InputError
@@ -34,22 +37,26 @@ def jobs(said):
     jobs.close(cancel=True)
 
 
-def test_what_failed_stays_in_sight_when_the_next_job_that_waited_for_it_is_done(said):
-    all_wait, idle = threading.Event(), threading.Event()
-    jobs = Jobs(lambda text, is_error: said.append((text, is_error)), lambda: jobs.is_busy() or idle.set())
+def test_what_a_job_has_saved_is_told_by_itself_and_what_failed_before_is_in_sight_again_after_it():
+    all_wait, state = threading.Event(), EditorState()
+
+    def say(text, is_error):
+        state.snapshot = state.snapshot.telling(Message(len(state.snapshot.errors) + 1, text, is_error))
 
     def failing(control):
         assert all_wait.wait(LONG_S)
         raise InputError("1 could not be relit: b.jpg", "b.jpg: not an image")
 
+    jobs = Jobs(say)
     jobs.start("Batch", failing)
     jobs.start("Export", lambda control: "Saved a-relit.png")
     all_wait.set()
-    assert idle.wait(LONG_S)
-    jobs.start("Export", lambda control: "Saved c-relit.png")
     jobs.close()
-    lines = "1 could not be relit: b.jpg\nb.jpg: not an image"
-    assert said == [(lines, True), (f"{lines}\nSaved a-relit.png", True), ("Saved c-relit.png", False)]
+    told = []
+    while (message := state.message()) is not None:
+        told.append((message.text, message.is_error))
+        put_message_away(state)
+    assert told == [("Saved a-relit.png", False), ("1 could not be relit: b.jpg\nb.jpg: not an image", True)]
 
 
 def test_a_job_tells_how_far_it_is_and_what_became_of_it(jobs, said):
@@ -187,7 +194,7 @@ def test_a_window_that_closes_stops_what_runs_at_its_next_step_and_begins_nothin
     assert said == [("Film: cancelled", False)]
 
 
-def test_jobs_that_fail_alike_are_told_once_and_counted_each(said):
+def test_jobs_that_fail_alike_are_counted_each_and_one_that_is_cancelled_is_not(said):
     all_wait = threading.Event()
     jobs = Jobs(lambda text, is_error: said.append((text, is_error)))
 
@@ -202,7 +209,7 @@ def test_jobs_that_fail_alike_are_told_once_and_counted_each(said):
         jobs.start("Export", work)
     all_wait.set()
     jobs.close()
-    assert said == [("x.png: full", True)] * 2 + [("x.png: full\nExport: cancelled", True)]
+    assert said == [("x.png: full", True)] * 2 + [("Export: cancelled", False)]
     assert jobs.failures == 2
 
 

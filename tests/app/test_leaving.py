@@ -154,7 +154,7 @@ def test_a_file_that_failed_keeps_the_window_open_though_a_later_one_was_saved()
     dict(asking.questions[0].choices)["Finish first"]()
     go_on.set()
     jobs.close()
-    assert said == [("full", True), ("full\nSaved b.png", True)]
+    assert said == [("full", True), ("Saved b.png", False)]
     assert not leaving.allows(wanted=False)
     assert leaving.allows(wanted=True)
 
