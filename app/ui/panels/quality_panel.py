@@ -74,8 +74,9 @@ def _costs(costs: dict[str, TierCost], left: float, width: float, in_use: str) -
             imgui.get_window_draw_list().add_text(place, theme.packed(colour), text)
     imgui.dummy(imgui.ImVec2(width, 2 * line))
     imgui.set_item_tooltip(
-        "On this machine: how long a picture takes after the light has turned,\n"
-        "and how far it is from the final one, of 255."
+        "On this machine, as Auto uses them in motion: how long a picture takes after the light has turned,\n"
+        "and how far it is from the final one, of 255. Draft and Live chosen by themselves are further off,\n"
+        "as they read the photo once, where Auto has read it as Final does."
     )
     imgui.pop_font()
 
