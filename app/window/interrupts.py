@@ -7,7 +7,7 @@ import socket
 import threading
 from collections.abc import Callable
 
-from app.endings import ENDINGS
+from app.endings import ENDINGS, raises_interrupts
 
 
 class Interrupts:
@@ -28,7 +28,7 @@ class Interrupts:
         self._far.setblocking(False)
         # Python's own C code writes there, whatever the main thread is at.
         self._wakes_before = signal.set_wakeup_fd(self._far.fileno(), warn_on_full_buffer=False)
-        raising = [number for number in ENDINGS if signal.getsignal(number) is signal.default_int_handler]
+        raising = [number for number in ENDINGS if raises_interrupts(number)]
         self._before = {number: signal.signal(number, self._note) for number in raising}
         self._listener = threading.Thread(target=self._listen, name="relight-interrupts", daemon=True)
         self._listener.start()

@@ -1,13 +1,16 @@
 """Signals that tell the program to end: heard while the window system waits, and after the command has cleaned up."""
 
+import _imp
 import signal
 import subprocess
 import sys
 import threading
+from importlib.machinery import ExtensionFileLoader
 
 import pytest
 from fake_relighter import LONG_S
 
+from app.endings import ENDINGS, take_endings_for_interrupts
 from app.window.interrupts import Interrupts
 
 
@@ -41,3 +44,51 @@ def test_every_way_to_end_a_command_is_an_interrupt_unless_it_is_ignored(name, i
     """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (7 if is_ignored else 130, "")
+
+
+@pytest.fixture
+def made_of_c(monkeypatch):
+    """Lets endings raise interrupts, makes a module by a function in place of C code, and waits for an interrupt."""
+    before = {number: signal.getsignal(number) for number in ENDINGS}
+    take_endings_for_interrupts()
+
+    def make(initialise):
+        monkeypatch.setattr(_imp, "exec_dynamic", lambda module: initialise())
+        ExtensionFileLoader("made", "made.so").exec_module(None)
+        threading.Event().wait(LONG_S)
+
+    yield make
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.parametrize("number", ENDINGS)
+def test_an_interrupt_while_c_code_makes_a_module_of_itself_comes_after_that(made_of_c, number):
+    """That of PyTorch drops what is raised in it."""
+    met = []
+
+    def initialise():
+        try:
+            signal.raise_signal(number)
+            met.append("nothing")
+        except KeyboardInterrupt:
+            met.append("an interrupt")
+
+    with pytest.raises(KeyboardInterrupt):
+        made_of_c(initialise)
+    assert met == ["nothing"]
+
+
+def test_a_second_interrupt_waits_for_nothing_and_the_first_comes_no_more(made_of_c):
+    def initialise():
+        signal.raise_signal(signal.SIGINT)
+        signal.raise_signal(signal.SIGINT)
+        pytest.fail("it went on")
+
+    with pytest.raises(KeyboardInterrupt):
+        made_of_c(initialise)
+    for thread in threading.enumerate():
+        if thread.name == "relight-ending":
+            thread.join(LONG_S)
+    with pytest.raises(KeyboardInterrupt):
+        signal.raise_signal(signal.SIGINT)
