@@ -16,10 +16,13 @@ ENDINGS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP"
 _INITIALISES = (ExtensionFileLoader.create_module.__code__, ExtensionFileLoader.exec_module.__code__)
 """What lets C code make a module of itself."""
 
+_OF_IMPORTS = ("<frozen importlib._bootstrap>", "<frozen importlib._bootstrap_external>")
+"""The files of Python's own code that imports."""
+
 _LOOKS_EVERY_S = 0.01
 
 _waits = threading.Event()
-"""Set while an interrupt waits until a module is made."""
+"""Set while an interrupt waits."""
 
 
 def take_endings_for_interrupts() -> None:
@@ -45,28 +48,33 @@ def raise_no_more() -> None:
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    """Raise KeyboardInterrupt; while C code makes a module of itself only after that, unless another one waits for it.
+    """Raise KeyboardInterrupt; where an import would drop it only after that, unless another one waits already.
 
-    That of NumPy and PyTorch drops what is raised meanwhile: the program would go on as if nobody had interrupted it,
-    or take itself for broken.
+    The C code of NumPy and PyTorch does while it makes a module of itself: the program would go on as if nobody had
+    interrupted it, or take itself for broken.
     """
-    if _waits.is_set() or not _is_made_of_c(frame):
+    if _waits.is_set() or not _drops_interrupts(frame):
         _waits.clear()
         raise KeyboardInterrupt
     _waits.set()
     threading.Thread(target=_interrupt_later, args=(number,), name="relight-ending", daemon=True).start()
 
 
-def _is_made_of_c(frame: FrameType | None) -> bool:
-    """Whether a module is being made of C code there."""
-    while frame is not None and frame.f_code not in _INITIALISES:
+def _drops_interrupts(frame: FrameType | None) -> bool:
+    """Whether a module is being made of C code there, or Python's code that imports is at work, part of it unheard.
+
+    Or whether an interrupt is being put off there at this moment.
+    """
+    if frame is not None and frame.f_code.co_filename in _OF_IMPORTS:
+        return True
+    while frame is not None and frame.f_code not in (*_INITIALISES, _interrupt.__code__):
         frame = frame.f_back
     return frame is not None
 
 
 def _interrupt_later(number: int) -> None:
     main = threading.main_thread().ident
-    while _is_made_of_c(sys._current_frames().get(main)):
+    while _drops_interrupts(sys._current_frames().get(main)):
         time.sleep(_LOOKS_EVERY_S)
     if not _waits.is_set():
         return

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import threading
+import weakref
 from importlib.machinery import ExtensionFileLoader
 
 import pytest
@@ -47,19 +48,24 @@ def test_every_way_to_end_a_command_is_an_interrupt_unless_it_is_ignored(name, i
 
 
 @pytest.fixture
-def made_of_c(monkeypatch):
-    """Lets endings raise interrupts, makes a module by a function in place of C code, and waits for an interrupt."""
+def endings_taken():
     before = {number: signal.getsignal(number) for number in ENDINGS}
     take_endings_for_interrupts()
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+@pytest.fixture
+def made_of_c(monkeypatch, endings_taken):
+    """Makes a module by a function in place of C code, and waits for an interrupt."""
 
     def make(initialise):
         monkeypatch.setattr(_imp, "exec_dynamic", lambda module: initialise())
         ExtensionFileLoader("made", "made.so").exec_module(None)
         threading.Event().wait(LONG_S)
 
-    yield make
-    for number, handler in before.items():
-        signal.signal(number, handler)
+    return make
 
 
 @pytest.mark.parametrize("number", ENDINGS)
@@ -92,3 +98,18 @@ def test_a_second_interrupt_waits_for_nothing_and_the_first_comes_no_more(made_o
             thread.join(LONG_S)
     with pytest.raises(KeyboardInterrupt):
         signal.raise_signal(signal.SIGINT)
+
+
+def test_an_interrupt_is_not_lost_in_what_python_tidies_up_after_an_import(endings_taken):
+    tidying = "def tidy(ref):\n    signal.raise_signal(signal.SIGINT)"
+    exec(compile(tidying, "<frozen importlib._bootstrap>", "exec"), names := {"signal": signal})
+
+    def import_and_wait():
+        lock = threading.Event()
+        ref = weakref.ref(lock, names["tidy"])
+        del lock
+        assert ref() is None
+        threading.Event().wait(LONG_S)
+
+    with pytest.raises(KeyboardInterrupt):
+        import_and_wait()
