@@ -9,7 +9,7 @@ import numpy as np
 
 from relight_core.imaging.resampling import resize_area
 from relight_core.lighting.environment import Environment
-from relight_core.lighting.sphere import place_on_map
+from relight_core.lighting.sphere import place_on_map, turn_fraction
 
 _SMALLEST_SIDE = 64
 """Pixels that a view's longer side is drawn with at least, unless the picture is smaller."""
@@ -120,7 +120,7 @@ def _sample(panorama: np.ndarray, directions: np.ndarray, yaw_deg: float) -> np.
     height, width = panorama.shape[:2]
     x, y, z = np.moveaxis(directions, -1, 0)
     across, down = place_on_map(x, y, z)
-    column = (across - yaw_deg % 360.0 / 360.0) * width - 0.5
+    column = (across - turn_fraction(yaw_deg)) * width - 0.5
     row = np.clip(down * height - 0.5, 0, height - 1)
     left = np.floor(column).astype(np.intp)
     top = np.floor(row).astype(np.intp)

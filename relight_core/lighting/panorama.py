@@ -11,6 +11,7 @@ from functools import lru_cache
 import numpy as np
 
 from relight_core.imaging.colour import REC709_LUMINANCE
+from relight_core.lighting.sphere import turn_fraction
 
 _BLOCK_ROWS = 64
 """Rows that are converted to float64 at once, to save memory."""
@@ -35,7 +36,7 @@ def rotate(radiance: np.ndarray, yaw_deg: float) -> np.ndarray:
         ValueError: the angle is NaN or infinite.
     """
     width = radiance.shape[1]
-    shift = _turn_fraction(yaw_deg) * width
+    shift = turn_fraction(yaw_deg) * width
     whole = math.floor(shift)
     part = shift - whole
     turned = np.roll(radiance, whole, axis=1)
@@ -107,15 +108,8 @@ def turned_means(sums: np.ndarray, yaw_deg: float) -> np.ndarray:
         ValueError: the angle is NaN or infinite.
     """
     count, width = 2 * len(sums), sums.shape[1] - 1
-    edges = np.arange(count + 1) / count - _turn_fraction(yaw_deg)
+    edges = np.arange(count + 1) / count - turn_fraction(yaw_deg)
     return np.diff(_sum_up_to(sums, edges * width), axis=1) * (count / width)
-
-
-def _turn_fraction(yaw_deg: float) -> float:
-    """The angle as a fraction of a full turn, in [0, 1)."""
-    if not math.isfinite(yaw_deg):
-        raise ValueError(f"yaw_deg must be a finite angle in degrees, not {yaw_deg}")
-    return (float(yaw_deg) % 360.0) / 360.0 % 1.0
 
 
 def _overlap_weights(edges: np.ndarray, new_edges: np.ndarray) -> np.ndarray:

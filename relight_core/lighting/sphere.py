@@ -47,10 +47,26 @@ def direction_at(u: float, v: float) -> np.ndarray:
     return np.array([level * math.sin(phi), math.cos(theta), -level * math.cos(phi)])
 
 
+def without_whole_turns(yaw_deg: float) -> float:
+    """The same angle in [-180, 180] degrees, exactly: of many turns, rounding would leave no part of one.
+
+    Raises:
+        ValueError: the angle is NaN or infinite.
+    """
+    if not math.isfinite(yaw_deg):
+        raise ValueError(f"yaw_deg must be a finite angle in degrees, not {yaw_deg}")
+    return math.remainder(yaw_deg, 360.0)
+
+
+def turn_fraction(yaw_deg: float) -> float:
+    """The angle as a fraction of a full turn, in [0, 1); raises as `without_whole_turns`."""
+    # A tiny negative angle is a whole turn after % 360.
+    return without_whole_turns(yaw_deg) % 360.0 / 360.0 % 1.0
+
+
 def turned(direction: np.ndarray, yaw_deg: float) -> np.ndarray:
     """A light's direction (3,) in camera space after a rotation of the light by yaw_deg, as by `panorama.rotate`."""
-    # Before it is rounded in radians, as of many turns it would be.
-    angle = np.radians(math.remainder(yaw_deg, 360.0))
+    angle = np.radians(without_whole_turns(yaw_deg))
     x, y, z = (float(value) for value in direction)
     return np.array([x * np.cos(angle) - z * np.sin(angle), y, x * np.sin(angle) + z * np.cos(angle)])
 

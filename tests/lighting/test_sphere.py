@@ -1,9 +1,20 @@
 """Directions on a lat-long map, and where directions lie on it."""
 
+import math
+
 import numpy as np
 import pytest
 
-from relight_core.lighting.sphere import direction_at, directions, off_axis, place_on_map, turned, uv_of
+from relight_core.lighting.sphere import (
+    direction_at,
+    directions,
+    off_axis,
+    place_on_map,
+    turn_fraction,
+    turned,
+    uv_of,
+    without_whole_turns,
+)
 
 
 def test_where_directions_lie_is_where_they_came_from():
@@ -45,3 +56,27 @@ def test_a_turn_moves_directions_as_it_moves_the_panorama():
 def test_a_direction_by_its_angles_starts_at_the_camera_and_goes_by_the_right_to_the_top():
     found = [off_axis(*angles) for angles in ((0, 77), (90, 0), (90, 90), (180, 0))]
     np.testing.assert_allclose(found, [(0, 0, 1), (1, 0, 0), (0, 1, 0), (0, 0, -1)], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("yaw_deg", "left_deg", "fraction"),
+    [
+        (40.0, 40.0, 1 / 9),
+        (-90.0, -90.0, 0.75),
+        (270.0, -90.0, 0.75),
+        (-1e-20, -1e-20, 0.0),
+        (-720.0, 0.0, 0.0),
+        # So many turns that in radians or single precision no part of one is left.
+        (360e12 + 90.0, 90.0, 0.25),
+    ],
+)
+def test_whole_turns_are_taken_off_an_angle_exactly(yaw_deg, left_deg, fraction):
+    assert without_whole_turns(yaw_deg) == left_deg
+    assert turn_fraction(yaw_deg) == fraction
+
+
+@pytest.mark.parametrize("yaw_deg", [math.nan, math.inf, -math.inf])
+def test_an_angle_that_is_none_is_refused(yaw_deg):
+    for taken in (without_whole_turns, turn_fraction):
+        with pytest.raises(ValueError, match="finite angle"):
+            taken(yaw_deg)

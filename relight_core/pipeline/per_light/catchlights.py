@@ -8,7 +8,6 @@ are finer than any estimate of that light.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from hashlib import blake2b
@@ -27,7 +26,7 @@ from relight_core.lighting.environment import Environment
 from relight_core.lighting.panorama import mean_radiance, shrink
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.lighting.roll import roll_light
-from relight_core.lighting.sphere import solid_angles
+from relight_core.lighting.sphere import solid_angles, without_whole_turns
 from relight_core.pipeline.per_light.hints import Effects, hidden_share
 from relight_core.pipeline.per_photo.corneas import Cornea
 from relight_core.pipeline.stages import Surface
@@ -198,8 +197,7 @@ def mirrored_light(cornea: Cornea, eye: LitEye, environment: Environment, yaw_de
         yaw_deg: its rotation.
     """
     across, down = cornea.mirrored_places
-    # Of many turns single precision leaves no part of one.
-    turn = np.float32(math.remainder(yaw_deg, 360.0) / 360)
+    turn = np.float32(without_whole_turns(yaw_deg) / 360)
     radiance = _looked_up(_mirrored_by(cornea, environment), across - turn, down)
     share = cornea.reflectance * _looked_up(eye.seen, across, down)
     finely = share[..., None] * np.maximum(radiance - eye.evenly, 0)
