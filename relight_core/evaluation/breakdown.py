@@ -32,6 +32,7 @@ from relight_core.pipeline.stages import Surface
 _MEASURES = ("relit.psnr", "relit.psnr_aligned")
 _WHOLE_PIXEL = 0.99
 _HAIR_AND_HEADWEAR = tuple(INDEX[name] for name in ("hair", "hat", "glasses"))
+_OF_THE_HEAD = frozenset({"albedo", "normal", "relief"})
 _BODY = tuple(INDEX[name] for name in ("neck", "cloth"))
 
 Told = Callable[[Surface, torch.Tensor, Surface, torch.Tensor], tuple[Surface, torch.Tensor]]
@@ -49,7 +50,11 @@ def _level(found, light, true, true_light):
 
 
 def _parts(found, light, true, true_light, *, names: tuple[str, ...]):
-    return replace(found, **{name: getattr(true, name) for name in names}), light
+    """The truth; beside the head there is none of its surface, whose height of 0 would stand there like a wall."""
+    told = {name: getattr(true, name) for name in names}
+    for name in _OF_THE_HEAD.intersection(names):
+        told[name] = torch.where(true.person > 0, told[name], getattr(found, name))
+    return replace(found, **told), light
 
 
 def _normals_of(found, light, true, true_light, *, labels: tuple[int, ...]):

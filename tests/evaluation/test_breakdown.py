@@ -84,6 +84,18 @@ def test_a_row_tells_its_own_part_and_no_other(row, parts):
     assert own_light == (row not in ("the photo's light", "the whole surface and the photo's light"))
 
 
+@pytest.mark.parametrize(("row", "part"), [("albedo", "albedo"), ("all normals", "normal"), ("relief", "relief")])
+def test_beside_the_head_there_is_no_truth_of_its_surface_to_be_told(row, part):
+    """What is taken for the person reaches a little beyond the head, and a height of 0 beside it is a wall."""
+    labels, light = np.full((4, 4), SKIN), torch.rand(1, 16, 32, 3)
+    true, found = surface(1, labels), surface(0, labels)
+    true.person[..., 2:] = 0
+    changed, _ = ROWS[row](found, light, true, light)
+    assert torch.equal(getattr(changed, part)[..., 2:], getattr(found, part)[..., 2:])
+    whole, _ = ROWS["the whole surface"](found, light, true, light)
+    assert torch.equal(whole.person, true.person)
+
+
 @pytest.mark.parametrize(
     ("row", "label"),
     [
