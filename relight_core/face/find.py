@@ -114,7 +114,8 @@ def find_faces(photo: Photo, is_face: Judge = lambda box: False) -> list[FaceBox
 
     First upright frontal faces; beside a large one only those that are not much smaller. If none of them is beyond
     doubt, also faces in profile and, on rotated copies, faces that lean by up to about 45 degrees, which takes four
-    times as long. A photo is searched once, however many threads ask.
+    times as long; not in a photo that shows a large face beyond doubt when it is turned by a quarter or a half, for
+    whose faces `guess_faces` is needed anyway. A photo is searched once, however many threads ask.
 
     Args:
         is_face: a better judge of doubtful faces, such as a network; asked before the long search.
@@ -243,10 +244,23 @@ def _search(photo: Photo, is_face: Judge) -> list[FaceBox]:
     found = frontal_candidates(grey, max(round(_BESIDE_LARGE * long_side), SMALLEST_PX))
     if any(_is_sure(candidate) and _width(candidate) >= _LARGE * long_side for candidate in found):
         return _boxes(found, scale)
-    found = frontal_candidates(grey) or _against_light(photo)
+    found = frontal_candidates(grey)
+    if not found and _is_turned(grey):
+        return []
+    found = found or _against_light(photo)
     if not any(map(_is_sure, found)) and not any(is_face(_in_photo(candidate, scale)) for candidate in found):
         found += _turned_away(grey)
     return _boxes(found, scale)
+
+
+def _is_turned(grey: np.ndarray) -> bool:
+    """Whether a large face beyond doubt lies or is upside down, as in a photo that was taken sideways.
+
+    Then nobody need be looked for who leans: `guess_faces` looks at all angles. This takes a twentieth of the time.
+    """
+    smallest_px = max(round(_LARGE * max(grey.shape)), SMALLEST_PX)
+    quarters = (np.ascontiguousarray(np.rot90(grey, number)) for number in (1, 3, 2))
+    return any(_is_sure(candidate) for quarter in quarters for candidate in frontal_candidates(quarter, smallest_px))
 
 
 def _against_light(photo: Photo) -> list[Candidate]:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import skimage.data
 
-from relight_core.face import find
+from relight_core.face import cascades, find
 from relight_core.face.cascades import Candidate
 from relight_core.face.find import (
     FaceBox,
@@ -293,3 +293,34 @@ def test_photos_without_room_for_small_faces_are_not_searched_for_them(monkeypat
     monkeypatch.setattr(find, "frontal_candidates", lambda grey: pytest.fail("looked"))
     monkeypatch.setattr(find, "_turned_away", lambda grey: pytest.fail("looked"))
     assert find_small_faces(Photo(np.full((*size, 3), 0.2, np.float32))) == []
+
+
+class SeesIfBrightAbove:
+    """A cascade that hits a large square in a picture that is brighter above than below; keeps what it looked at."""
+
+    def __init__(self, votes):
+        self.votes, self.looked_at = votes, []
+
+    def detectMultiScale2(self, grey, *_):
+        self.looked_at.append(grey.shape)
+        middle = len(grey) // 2
+        sees = grey[:middle].mean() > grey[middle:].mean() + 20
+        return (((200, 200, 300, 300),), (self.votes,)) if sees else ((), ())
+
+    def detectMultiScale(self, *_):
+        return np.zeros((0, 4))
+
+
+@pytest.mark.parametrize("bright", [np.s_[:, :60], np.s_[:, 60:], np.s_[75:]], ids=["left", "right", "below"])
+@pytest.mark.parametrize("votes", [14, 13])
+def test_where_a_large_face_lies_beyond_doubt_nobody_is_looked_for_who_leans(monkeypatch, bright, votes):
+    cascade = SeesIfBrightAbove(votes)
+    monkeypatch.setattr(cascades, "_cascade", lambda name: cascade)
+    picture = np.full((150, 120, 3), 0.1, np.float32)
+    picture[bright] = 0.8
+    faces = find_faces(Photo(picture))
+    # Each of three cascades has its votes; 40 of all together are beyond doubt.
+    is_sure = votes == 14
+    leaning = [shape for shape in cascade.looked_at if sorted(shape) != [360, 450]]
+    assert bool(leaning) != is_sure
+    assert faces == [] or not is_sure

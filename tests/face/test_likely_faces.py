@@ -37,7 +37,8 @@ def test_who_is_in_the_dark_quarter_of_a_photo_is_looked_for_last_of_those_uprig
     linear = np.full((400, 400, 3), 0.9, np.float32)
     linear[:240], linear[:120] = 0.03, 0.001
     assert find_faces(Photo(linear)) == []
-    _, as_it_is, brighter, brightest = looks
+    _, as_it_is, *lying, brighter, brightest = looks
+    assert lying == [as_it_is] * 3
     assert as_it_is < brighter < brightest
 
 
