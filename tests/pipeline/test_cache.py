@@ -95,6 +95,22 @@ def test_a_stage_s_time_is_its_own_without_those_that_it_started(clock):
     assert cache.record.last_end({"another"}) is None
 
 
+def test_a_stage_that_runs_for_two_keys_in_an_update_has_taken_the_time_of_both(clock):
+    """Of a portrait at final quality the first update takes the face apart at live quality too, for the matte."""
+    cache = StageCache()
+    cache.record.begin_update()
+    clock.takes(2)
+    cache.of_photo("delight", "final", lambda: clock.takes(30), keep=2)
+    cache.run("matte", 0, lambda: cache.of_photo("delight", "live", lambda: clock.takes(10), keep=2), "new photo")
+    cache.of_photo("delight", "final", lambda: clock.takes(30), keep=2)
+    told = cache.record.stages["delight"]
+    assert (told.state, round(told.start_ms), round(told.ms)) == ("computed", 2, 40)
+    assert computed_ms(cache.record.stages) == pytest.approx(40)
+    cache.record.begin_update()
+    cache.of_photo("delight", "draft", lambda: clock.takes(5))
+    assert cache.record.stages["delight"].ms == pytest.approx(5)
+
+
 def test_an_update_tells_what_it_did_and_not_what_others_did(clock):
     cache = StageCache()
     cache.record.begin_update()
