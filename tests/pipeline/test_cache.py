@@ -90,6 +90,7 @@ def test_a_stage_s_time_is_its_own_without_those_that_it_started(clock):
     times = {name: (round(stage.start_ms), round(stage.ms)) for name, stage in stages.items()}
     assert times == {"innermost": (56, 7), "inner": (51, 5), "beside": (63, 3), "outer": (50, 3)}
     assert computed_ms(stages) == pytest.approx(18)
+    assert cache.record.typical_ms["outer"] == pytest.approx(3)
     assert cache.record.last_end({"innermost", "inner"}) == pytest.approx(100.063)
     assert cache.record.last_end({"outer", "inner"}) == pytest.approx(100.068)
     assert cache.record.last_end({"another"}) is None

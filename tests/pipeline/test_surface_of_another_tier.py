@@ -78,6 +78,26 @@ def test_everything_that_decides_about_a_surface_is_taken_over():
     assert replace(quick.on_surface_of(fine), **of_surface(quick)) == quick, "and nothing else"
 
 
+@pytest.mark.parametrize(
+    "change",
+    [{"size": 96}, {"delight_size": 64}, {"network_size": 64}, {"mirrored": True}, {"precision": "fp32"}],
+)
+def test_a_tier_that_sees_the_photo_in_another_way_has_a_surface_of_its_own(change):
+    """Else a bench would measure one tier on what another one has found."""
+    tier = Tier(64, 32, 32, 16, False)
+    other = replace(tier, **change)
+    assert other.surface_key != tier.surface_key
+    assert tier.on_surface_of(other) != tier
+    assert tier.on_surface_of(other).surface_key == other.surface_key
+
+
+def test_a_tier_with_another_relief_shares_the_surface_alone():
+    tier = Tier(64, 32, 32, 16, False)
+    other = replace(tier, relief_size=32)
+    assert (other.surface_key, other.begun_key) == (tier.surface_key, tier.begun_key)
+    assert other.relief_key != tier.relief_key
+
+
 def of_surface(tier):
     names = ("delight_size", "network_size", "mirrored", "looks_twice", "precision", "apart_from", "level_of")
     return {name: getattr(tier, name) for name in names}
