@@ -40,16 +40,19 @@ def test_a_quick_tier_that_is_also_the_better_one_wins():
 
 
 class FakeRelighter:
-    """Errs by the tier's own offset, and takes its own time for every angle but the first, on a clock of its own."""
+    """Errs by the tier's own offset, and takes its own time for every angle but the first, on a clock of its own.
+
+    Its light is even: however that is turned, the picture before is found again, in no time, until it is forgotten.
+    """
 
     OFFSET = {"draft": 0.2, "live": 0.1, "final": 0.0}
     MS = {"draft": 1.0, "live": 2.0, "final": 4.0}
 
     def __init__(self):
-        self.edits, self.timed, self.now_s = [], [], 0.0
+        self.edits, self.timed, self.now_s, self.kept = [], [], 0.0, None
 
     def forget_lights(self):
-        """It keeps nothing."""
+        self.kept = None
 
     def perf_counter(self):
         return self.now_s
@@ -58,9 +61,11 @@ class FakeRelighter:
         self.edits.append(edit)
         if for_shader:
             self.timed.append(edit)
-            self.now_s += 1e-3 * self.MS[edit.quality] * (5000, 3, 9, 2, 8, 5)[(len(self.timed) - 1) % 6]
+            if self.kept != edit.quality:
+                self.now_s += 1e-3 * self.MS[edit.quality] * (5000, 3, 9, 2, 8, 5)[(len(self.timed) - 1) % 6]
+            self.kept = edit.quality
             return SimpleNamespace(image=None)
-        first_angle = self.edits[-2].yaw_deg == self.timed[1].yaw_deg
+        first_angle = edit.yaw_deg == self.timed[1].yaw_deg
         error = self.OFFSET[edit.quality] * first_angle
         picture = np.full((4, 4, 3), 0.4, np.float32)
         picture[:2] += np.float32(error)
@@ -87,3 +92,16 @@ def test_every_tier_is_measured_once_against_the_final_one(monkeypatch):
     assert all(edit.channels == () for edit in relighter.edits)
     assert all(edit.surface_of == "final" for edit in relighter.edits), "as they are used"
     assert len({edit.yaw_deg for edit in relighter.edits}) > 4
+
+
+def test_under_another_light_all_tiers_are_measured_anew(monkeypatch):
+    """Else a tier's error would be that of another light."""
+    relighter, calibration = FakeRelighter(), Calibration()
+    monkeypatch.setattr(auto_quality, "time", relighter)
+    before, after = (Environment.from_radiance(np.full((16, 32, 3), level)) for level in (1.0, 2.0))
+    for light in (before, before, after, after):
+        calibration.measure_next(relighter, light)
+        assert calibration.costs is None
+    calibration.measure_next(relighter, after)
+    assert set(calibration.costs) == {"draft", "live", "final"}
+    assert calibration.costs["final"].error == 0
