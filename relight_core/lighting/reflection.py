@@ -94,7 +94,8 @@ class ReflectionTable(torch.nn.Module):
     def look_up(self, table: torch.Tensor, normal: torch.Tensor) -> torch.Tensor:
         """Values (B, 6, H, W) at unit normals (B, 3, H, W)."""
         with torch.autocast(normal.device.type, enabled=False):
-            position = table_position(normal.float())
+            # On a CPU grid_sample writes its gradient wherever NaN points to: a bad batch would end the process.
+            position = table_position(normal.float()).nan_to_num()
             return F.grid_sample(table, position, mode="bilinear", padding_mode="border", align_corners=True)
 
     def forward(self, light: torch.Tensor, normal: torch.Tensor) -> torch.Tensor:

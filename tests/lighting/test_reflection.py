@@ -158,6 +158,20 @@ def test_stays_in_whole_precision_under_autocast(table):
     torch.testing.assert_close(found, table(radiance, normals))
 
 
+def test_a_normal_that_is_no_number_leaves_the_gradients_of_the_others(table):
+    """Of a network that goes astray the next losses tell, if the process is still there to see them."""
+    _, normals = facing_normals()
+    astray = normals.clone()
+    astray[..., :2] = torch.tensor([float("nan"), float("inf")])
+    gradients = []
+    for given in (normals, astray):
+        given = given.clone().requires_grad_(True)
+        table(random_light(9), given)[..., 2:].sum().backward()
+        gradients.append(given.grad[..., 2:])
+    assert gradients[0].abs().max() > 0.1
+    torch.testing.assert_close(*gradients)
+
+
 class TestNormalsMadeReady:
     """`NormalLookup` reads what the whole table says, of the cells that its normals need."""
 
