@@ -1,5 +1,6 @@
 """What the model misses of a photo: back under the photo's own light, faded where the light is another."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -327,6 +328,16 @@ def test_no_light_at_all_leaves_a_residual_as_it_is():
     photo = images(0)
     residual = find_residual(surface(photo), photo, light(), lambda own: Composed(photo, photo))
     assert at_light_level(residual, 0.0) is residual
+    without_light = replace(residual, level=0.0)
+    assert at_light_level(without_light, 0.5) is without_light
+
+
+def test_at_a_level_far_from_its_own_a_face_is_changed_within_limits():
+    """Beside a lit face, one that the others' light would leave black or make a lamp of."""
+    photo = images(0).clamp_min(0.2)
+    residual = find_residual(surface(photo), photo, light(), lambda own: Composed(photo, photo))
+    for level, farthest in ((1e-4 * residual.level, 3.0), (1e4 * residual.level, -3.0)):
+        assert at_light_level(residual, level).log_ratio.unique().tolist() == [farthest]
 
 
 def test_what_a_level_darkens_is_of_all_skin_and_fades_as_whole_cheeks_do():
