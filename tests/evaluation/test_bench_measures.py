@@ -130,3 +130,27 @@ def test_times_are_of_what_is_done_after_the_warm_ups_and_the_most_memory_of_the
         assert (turned.shadow, opened.shadow) == (1, 1)
         assert 0 < moved.shadow < 1
     assert len({edit.yaw_deg for edit in relighter.edits}) == 6
+
+
+def test_an_update_is_timed_up_to_the_viewport_and_without_what_a_photo_costs_once(monkeypatch):
+    """De-lighting was forgotten, so that the next turn finds it anew: that is no part of what a turn takes."""
+    now_ms, relighter = [0.0], Timed()
+
+    def relight(light, edit, screen_px, for_shader):
+        again = relighter.forgotten and len(relighter.edits) % 3 == 0
+        relit = Timed.relight(relighter, light, edit, screen_px, for_shader)
+        compose_ms = relit.stages["compose"].ms
+        once = SimpleNamespace(ms=500.0 * bool(again), state="computed", is_of_photo=True)
+        now_ms[0] += compose_ms + once.ms
+        return SimpleNamespace(stages={"compose": relit.stages["compose"], "delight": once})
+
+    def display(relit):
+        now_ms[0] += 2.0
+
+    monkeypatch.setattr(relighter, "relight", relight)
+    monkeypatch.setattr(bench_timing, "perf_counter", lambda: now_ms[0] / 1e3)
+    light = some_lights(1)[0]
+    found = time_configurations(relighter, ["a photo"], light, SETTINGS[:1], rounds=4, display=display)["fast"]
+    assert found.actions["rotation"].median == pytest.approx(5.0)
+    assert found.actions["slider"].median == pytest.approx(9.0)
+    assert found.stages["display"].median == pytest.approx(2.0)
