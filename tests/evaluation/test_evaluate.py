@@ -118,6 +118,35 @@ def test_heads_lights_and_photos_are_the_same_every_time(settings):
     assert heads[0].photo(1, "clean")[~heads[0].lit.head.covered].max() == 0
 
 
+def test_photos_through_a_camera_are_linear_as_the_clean_ones_are(settings):
+    """Encoded, they would be twice as bright."""
+    lights = held_out_lights(settings.lights, "test")
+    head, stops = load_head(settings.heads / "head-2000000.npz", lights, held_out_textures()), []
+    for light in range(len(lights)):
+        clean, shot = (head.photo(light, kind)[head.lit.head.covered].mean() for kind in ("clean", "camera"))
+        stops.append(math.log2(shot / clean))
+    assert max(stops) - min(stops) > 0.5, "each has an exposure of its own"
+    assert abs(sum(stops) / len(stops)) < 0.4
+
+
+def test_every_panorama_is_turned_by_an_angle_of_its_own_and_its_sun_with_it(tmp_path):
+    env64 = np.full((3, 64, 128, 3), 0.1, np.float32)
+    env64[:, 21, 60] = 5000
+    np.savez(tmp_path / "suns.npz", env64=env64, names=np.array(["a", "b", "c"]), group=np.arange(3))
+    suns = [light for light in held_out_lights(tmp_path / "suns.npz", "test") if not light.lamp]
+    columns = []
+    for sun in suns:
+        (rows,) = np.nonzero(sun.radiance.max((1, 2)) > 1)
+        assert rows.tolist() == [21 // 4], "as sharp as in training"
+        (found,) = sun.small_lamps
+        x, _, z = found.toward
+        column = 32 * (math.atan2(x, -z) / (2 * math.pi) + 0.5)
+        away = np.abs((np.arange(32) + 0.5 - column + 16) % 32 - 16)
+        assert away[sun.radiance[21 // 4, :, 1] > 1].max() < 2
+        columns.append(column)
+    assert min(abs(one - other) for one, other in zip(columns, columns[1:], strict=False)) > 1
+
+
 def test_heads_have_skins_of_their_own_and_clean_photos_are_metered(settings):
     lights, pool = held_out_lights(settings.lights, "test"), held_out_textures()
     paths = held_out_paths(settings.heads, "test", 5)
