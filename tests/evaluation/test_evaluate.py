@@ -104,6 +104,16 @@ def test_a_lamp_stands_where_it_should_with_unit_level(off, around):
     assert math.degrees(math.acos(min(1.0, float(place @ expected)))) < 6
 
 
+def test_a_lamp_of_five_degrees_has_nearly_all_of_the_light():
+    shape = lamp(60, 145).shape[..., 1]
+    edges = np.cos(np.pi * np.arange(65) / 64)
+    areas = np.repeat(((edges[:-1] - edges[1:]) * 2 * np.pi / 128)[:, None], 128, 1)
+    bright = shape > 1
+    assert areas[bright].sum() == pytest.approx(2 * math.pi * (1 - math.cos(math.radians(5))), rel=0.2)
+    assert (shape * areas)[bright].sum() / (4 * math.pi) == pytest.approx(0.95, abs=0.001)
+    np.testing.assert_allclose(shape[~bright], 0.05, rtol=1e-3)
+
+
 def test_heads_lights_and_photos_are_the_same_every_time(settings):
     lights = [held_out_lights(settings.lights, "test") for _ in range(2)]
     for one, other in zip(*lights, strict=True):
