@@ -8,6 +8,7 @@ import pytest
 import torch
 
 from relight_core.errors import InputError
+from relight_core.evaluation.ablation import variants
 from relight_core.evaluation.ablation.variants import (
     VARIANTS,
     Budget,
@@ -104,6 +105,7 @@ def test_a_budget_keeps_the_stages_proportions():
     assert [plan.steps for plan in recipe.stages] == [30, 30, 10, 10]
     assert {(plan.size, plan.pairs) for plan in recipe.stages} == {(96, 2)}
     assert "30 of warm-delight" in in_words(Budget(steps=30))
+    assert [plan.steps for plan in Budget(steps=1).of(load_recipe("ablation/full")).stages] == [1, 1, 1, 1]
 
 
 def test_all_variants_are_trained_and_warm_ups_in_common_once(trained):
@@ -122,6 +124,22 @@ def test_what_is_trained_stays(trained, data):
     data.clear()
     assert train_variants(folder, folder, folder, BUDGET) == weights
     assert data == []
+
+
+def test_a_warm_up_that_was_stopped_is_no_finished_one_and_goes_on(tmp_path, monkeypatch):
+    asked = []
+
+    def stopped(run, report):
+        asked.append(run.checkpoint)
+        run.checkpoint.touch()
+        run.checkpoint.with_suffix(".state.safetensors").touch()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(variants, "train", stopped)
+    for _ in range(2):
+        with pytest.raises(KeyboardInterrupt):
+            train_variants(tmp_path, tmp_path, tmp_path, BUDGET)
+    assert asked[0] == asked[1]
 
 
 def test_variants_of_one_warm_up_begin_with_the_same_weights(trained):
