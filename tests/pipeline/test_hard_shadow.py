@@ -310,3 +310,10 @@ def test_of_two_lamps_that_stand_together_each_counts_by_what_it_gives():
     weak, strong = (in_shadow(of_lamp.counts) for of_lamp in edges.of_lamps)
     assert strong == pytest.approx(3 * weak, rel=0.02)
     assert weak > 0.2
+
+
+def test_of_two_lamps_the_weak_one_keeps_its_small_part_of_the_gloss_where_the_strong_one_is_hidden():
+    lamps = [lamp(irradiance=3.0), lamp(irradiance=0.3, toward=(-SIDE[0], 0.0, SIDE[2]))]
+    after = hardened(effects_with(0.5, 0.0396), lamps, reflected(gloss=0.0396))
+    shaded, lit = in_and_out_of_the_shadow(after.specular)
+    assert shaded < 0.25 * lit
