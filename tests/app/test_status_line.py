@@ -69,3 +69,4 @@ def test_a_thousand_errors_are_not_kept_for_ever():
     state = told(*[(f"no photo {number}", True) for number in range(1000)])
     assert put_away(state)[0] == "no photo 999"
     assert len(state.snapshot.errors) < 99
+    assert state.snapshot.errors[-1].text == "no photo 999"

@@ -216,6 +216,8 @@ def test_a_budget_is_of_time_or_of_steps():
     for settings in ({}, {"minutes": 1, "steps": 1}):
         with pytest.raises(ValueError, match="either"):
             Budget(1e-3, **settings)
+    assert Budget(1e-3, minutes=2).spent(step=7, seconds=30.0) == 0.25
+    assert Budget(1e-3, steps=28).spent(step=7, seconds=30.0) == 0.25
 
 
 def test_a_head_that_fills_nothing_of_the_image_does_no_harm(tmp_path):
