@@ -12,8 +12,8 @@ def local_means(image: torch.Tensor, weight: torch.Tensor, reach: float = _CHEEK
     """Means over (about) a tent.
 
     Args:
-        image: (1, C, S, S).
-        weight: (1, 1, S, S) >= 0, how much each pixel counts; where nothing nearby does, the mean goes to 0.
+        image: (B, C, S, S).
+        weight: (B, 1, S, S) >= 0, how much each pixel counts; where nothing nearby does, the mean goes to 0.
         reach: of the tent to each side, as a share of the image's; as far as a cheek unless told.
     """
     reach_px = max(round(reach / 2 * image.shape[-1]), 1)

@@ -81,6 +81,14 @@ def test_where_lips_are_seen_a_colour_is_paint_or_light():
     assert find_face_covering(face(MASKS["blue"], lips=0.5)) is not None
 
 
+def test_a_cup_at_the_lips_leaves_the_upper_lip_s_skin_bare():
+    drinking = face(MASKS["red"])
+    drinking.photo[..., :59, :] = face().photo[..., :59, :]
+    share = find_face_covering(drinking).share[0, 0]
+    assert share[62:78, 28:68].min() > 0.95
+    assert share[:57].max() == 0
+
+
 def test_neither_a_shadow_nor_half_a_mouth_is_a_covering():
     assert find_face_covering(face(shade=0.2)) is None
     half = face(MASKS["green"])

@@ -94,6 +94,23 @@ def test_nothing_is_brightened_or_darkened_more_than_ten_times():
     assert evened(ahead, 0.001, 0.02) == pytest.approx(0.001 * (wanted / 0.004) ** 0.7, rel=1e-4)
 
 
+def test_a_cheek_loses_the_colour_of_its_light_but_a_small_patch_keeps_its_own():
+    tone, blue = (torch.tensor(colour)[:, None, None] for colour in ((0.4, 0.25, 0.2), (0.1, 0.15, 0.3)))
+    lit = torch.tensor((0.6, 1.0, 1.4))[:, None, None]
+    photo = (0.5 * tone * lit).expand(3, 128, 128).clone()
+    photo[:, 40:46, 40:46] = 0.5 * blue * lit
+    parts = {
+        "albedo": tone.expand(1, 3, 128, 128),
+        "normal": torch.tensor((0.0, 0, 1))[:, None, None].expand(1, 3, 128, 128),
+    }
+    even = evened_out(photo[None], **parts, photo=photo[None], person=torch.ones(1, 1, 128, 128))[0].log()
+    cheek, patch = even[:, 90, 90], even[:, 43, 43]
+    # Three tenths of the light's colour are left, of ratios of 1.4 and 0.6.
+    assert float((cheek[2] - cheek[0]) - (tone[2] / tone[0]).log()) == pytest.approx(0.3 * 0.8473, rel=0.01)
+    # Of the patch's colour, ratios of 3 to 0.5, nearly all is.
+    assert float((patch - cheek)[2] - (patch - cheek)[0]) > 0.75 * 1.7918
+
+
 @pytest.mark.parametrize("level", [0.0, 1.0])
 def test_black_and_blown_photos_stay_in_range(level):
     surface = replace(ball_lit_from(0.5), photo=torch.full((1, 3, SIZE, SIZE), level))

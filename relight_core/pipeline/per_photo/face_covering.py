@@ -1,4 +1,4 @@
-"""Masks and scarves over mouth and nose, which de-lighting takes for skin in coloured light.
+"""Masks and scarves over mouth and nose, and cups before them, which de-lighting takes for skin in coloured light.
 
 The networks know no masks. They parse one as skin and explain its colour by the light: beside a red mask the rest of
 the face turned green, and in any other light a white one looked like pink skin. But where a mouth should be, no light
@@ -33,8 +33,8 @@ _REACHES = (0.05, 2.3), 1.4
 _OFF = (0.35, 0.45)
 """Ramp of the difference from the forehead's colour, in log ratios to green, over which skin becomes a covering. In 33
 faces a tenth of the area about the mouth is within 0.25 of it; under drawn masks none is within 0.5."""
-_NEARLY_ALL = 0.9
-"""This share of the area about the mouth must have another colour."""
+_MOST = 0.75
+"""This share of the area about the mouth must have another colour. A cup at the lips leaves skin above them bare."""
 _LIPS = 0.17
 """Largest area of lips and inner mouth, in squares of the distance between the eyes. Faces have 0.2 to 0.6; what the
 parsing guesses under masks is 0.13 at most."""
@@ -46,7 +46,7 @@ _BESIDE = (*EYES, *BROWS, "hair", "hat", "glasses", "cloth")
 
 @dataclass(frozen=True, eq=False)
 class FaceCovering:
-    """A mask over mouth and nose.
+    """A mask over mouth and nose, or something else before them.
 
     Attributes:
         share: (1, 1, S, S) in [0, 1], where it is.
@@ -91,7 +91,7 @@ def find_face_covering(surface: Surface) -> FaceCovering | None:
     seen = _seen_of_person(surface)
     off = ramp(_off_colour(seen, bare), *_OFF)
     mouth = across**2 + (below - _MOUTH) ** 2 < _AROUND_MOUTH**2
-    if not bool(mouth.any()) or float((off > 0)[mouth].float().mean()) < _NEARLY_ALL:
+    if not bool(mouth.any()) or float((off > 0)[mouth].float().mean()) < _MOST:
         return None
     (least, most), aside = _REACHES
     within = (below > least) & (below < most) & (across.abs() < aside)

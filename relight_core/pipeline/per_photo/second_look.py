@@ -18,6 +18,7 @@ from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.tensor_constants import constant
 from relight_core.imaging.tensor_images import as_image, as_tensor, enlarge
 from relight_core.imaging.tensor_logs import exact_logs
+from relight_core.imaging.tensor_means import local_means
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
 from relight_core.pipeline.per_photo.cropped_hair import with_cropped_hair
@@ -80,12 +81,19 @@ def evenly_lit(photo: np.ndarray, found: stages.Surface) -> np.ndarray:
 def evened_out(
     views: torch.Tensor, *, albedo: torch.Tensor, normal: torch.Tensor, photo: torch.Tensor, person: torch.Tensor
 ) -> torch.Tensor:
-    """`evenly_lit` for a batch of views (B, 3, D, D), given these parts of their surfaces, (B, C, S, S) each."""
+    """`evenly_lit` for a batch of views (B, 3, D, D), given these parts of their surfaces, (B, C, S, S) each.
+
+    The gain's brightness is each pixel's own. Its colour is a mean over some hundredths of the view, since lights have
+    one colour over a cheek. What de-lighting takes for coloured light on a smaller area is more often paint, make-up or
+    a plaster, which would be gone before the second look.
+    """
     ahead = constant(_AHEAD, normal.device, torch.float32)
     received = 1 + (normal * ahead[:, None, None]).sum(1, keepdim=True)
     wanted = albedo * received / (1 + ahead.norm())
     gain = (wanted / photo.clamp_min(_DARKEST_PHOTO)).clamp(1 / _STRONGEST_GAIN, _STRONGEST_GAIN).log()
     gain = _MOST_OF_THE_WAY * torch.where(person > 0.5, gain, 0.0)
+    brightness, seen = gain.mean(1, keepdim=True), (person > 0.5).to(gain)
+    gain = brightness + seen * local_means(gain - brightness, seen)
     return (views * enlarge(gain, views.shape[-2:]).exp()).clamp(0, 1)
 
 
