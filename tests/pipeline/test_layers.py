@@ -140,6 +140,14 @@ def test_layers_keep_colours_outside_rec_709_where_the_photo_has_any():
     assert (layers["background"] == -0.25).all()
 
 
+def test_a_channel_that_becomes_smaller_is_averaged():
+    stripes = np.tile(np.float32([0.0, 1.0]), (SIDE, SIDE // 2))
+    picture = replace(relit(), channels={"specular": stripes})
+    # Eight pixels for twenty stripes, of which each shows two and a half.
+    placed = photo_layers(picture, ["specular"], 16)["specular"][4:8, 5:11]
+    np.testing.assert_allclose(placed, 0.5, atol=0.11)
+
+
 def test_labels_are_not_mixed():
     labels = photo_layers(relit(), ["parsing"])["parsing"]
     assert set(np.unique(labels)) == {0.0, 3.0, 7.0}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 
@@ -12,7 +13,7 @@ from relight_core.face.crop import Crop
 from relight_core.face.paste import all_of, bands, update_nearest
 from relight_core.imaging.in_order import in_order
 from relight_core.imaging.masks import bounds
-from relight_core.imaging.resampling import at_size, resize_cut_out, shrunk_size
+from relight_core.imaging.resampling import at_size, resize_area, resize_cut_out, shrunk_size
 from relight_core.pipeline.per_photo.person import whole_person
 from relight_core.pipeline.results.channels import unrolled
 from relight_core.pipeline.results.relit import Relit
@@ -174,8 +175,14 @@ def _placed(
     size: tuple[int, int],
     part: tuple[slice, slice],
 ) -> np.ndarray:
-    """A channel where it lies in a picture of `size`, as it holds it, in some rows and columns of that."""
+    """A channel where it lies in a picture of `size`, as it holds it, in some rows and columns of that.
+
+    Where it becomes smaller, it is averaged; labels aren't, which have no mean.
+    """
     steps = np.array([photo_size[1] / size[1], photo_size[0] / size[0]])
+    side = math.ceil(view.side / steps.max())
+    if name != "parsing" and side < channel.shape[0]:
+        channel = resize_area(channel, (side, side))
     matrix = view.from_photo_matrix(channel.shape[0])
     linear = matrix[:, :2] * steps
     # From pixel centres to pixel centres: half a pixel in on the one side, half a pixel out on the other.
