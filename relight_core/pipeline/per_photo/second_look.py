@@ -91,9 +91,10 @@ def evened_out(
     received = 1 + (normal * ahead[:, None, None]).sum(1, keepdim=True)
     wanted = albedo * received / (1 + ahead.norm())
     gain = (wanted / photo.clamp_min(_DARKEST_PHOTO)).clamp(1 / _STRONGEST_GAIN, _STRONGEST_GAIN).log()
-    gain = _MOST_OF_THE_WAY * torch.where(person > 0.5, gain, 0.0)
-    brightness, seen = gain.mean(1, keepdim=True), (person > 0.5).to(gain)
-    gain = brightness + seen * local_means(gain - brightness, seen)
+    seen = person > 0.5
+    gain = _MOST_OF_THE_WAY * torch.where(seen, gain, 0.0)
+    brightness = gain.mean(1, keepdim=True)
+    gain = brightness + seen * local_means(gain - brightness, seen.to(gain))
     return (views * enlarge(gain, views.shape[-2:]).exp()).clamp(0, 1)
 
 
