@@ -14,6 +14,7 @@ from opened_things import photo_files
 from window_hand import HEIGHT, WIDTH, Hand
 
 from app.engine.engine import Engine
+from app.engine.jobs import Jobs
 from app.window.gl_viewport import PicturePainter
 from app.window.glfw_window import close_window, open_window
 from app.window.window import EditorWindow
@@ -83,6 +84,19 @@ def photos(tmp_path):
 def folder(tmp_path):
     """Where settings and unsaved work are kept."""
     return tmp_path / "settings"
+
+
+@pytest.fixture
+def said():
+    """Lines that the user is told, and whether each is an error."""
+    return []
+
+
+@pytest.fixture
+def jobs(said):
+    jobs = Jobs(lambda text, is_error: said.append((text, is_error)))
+    yield jobs
+    jobs.close(cancel=True)
 
 
 @pytest.fixture

@@ -23,11 +23,6 @@ def state():
 
 
 @pytest.fixture
-def said():
-    return []
-
-
-@pytest.fixture
 def finished(state, said):
     return Finished(state, lambda text, is_error: said.append((text, is_error)))
 

@@ -25,18 +25,6 @@ from relight_core.lighting.rigs import load_rig
 from relight_core.pipeline.edit import Edit
 
 
-@pytest.fixture
-def said():
-    return []
-
-
-@pytest.fixture
-def jobs(said):
-    jobs = Jobs(lambda text, is_error: said.append((text, is_error)))
-    yield jobs
-    jobs.close(cancel=True)
-
-
 def test_what_a_job_has_saved_is_told_by_itself_and_what_failed_before_is_in_sight_again_after_it():
     all_wait, state = threading.Event(), EditorState()
 

@@ -3,7 +3,6 @@
 import threading
 from pathlib import Path
 
-import pytest
 from fake_relighter import LONG_S
 
 from app.engine.batch import relight_each
@@ -11,18 +10,6 @@ from app.engine.jobs import Jobs
 from relight_core.unwanted import stop_if_unwanted
 
 PHOTOS = ["a.jpg", "b.jpg", "c.jpg"]
-
-
-@pytest.fixture
-def said():
-    return []
-
-
-@pytest.fixture
-def jobs(said):
-    jobs = Jobs(lambda text, is_error: said.append((text, is_error)))
-    yield jobs
-    jobs.close(cancel=True)
 
 
 class Batch:

@@ -50,9 +50,20 @@ def session(photos):
     return path
 
 
-def opened(editor, session):
-    editor.deeds._take([session])
+def take(editor, path):
+    editor.deeds._take([path])
     editor.live()
+
+
+def change_another(editor, state, photos):
+    """Open the second photo, and work on it."""
+    take(editor, photos[1])
+    state.change(shadow=0.1)
+    editor.live()
+
+
+def opened(editor, session):
+    take(editor, session)
     editor.state.asking.questions.clear()
     return editor.state
 
@@ -113,8 +124,7 @@ def test_faces_and_outlines_stay_where_they_are_in_a_photo_of_the_same_size_or_o
 
 
 def test_a_session_keeps_the_size_of_its_photo(editor, photos):
-    editor.deeds._take([photos[0]])
-    editor.live()
+    take(editor, photos[0])
     save(editor)
     assert json.loads(photos[0].with_name("a.relight.json").read_text())["photo_size"] == {"width": 80, "height": 60}
 
@@ -174,8 +184,7 @@ def test_giving_up_boxes_that_opened_by_themselves_brings_none_back_that_were_le
 
 def test_undo_and_redo_go_on_past_the_opening_of_a_resized_photo(editor, sizes, session, photos):
     sizes[photos[0]] = SMALL
-    editor.deeds._take([photos[1]])
-    editor.live()
+    take(editor, photos[1])
     state = opened(editor, session)
     state.change(shadow=0.2)
     editor.live()
@@ -196,8 +205,7 @@ def left_and_resized(editor, sizes, session, photos):
     state = opened(editor, session)
     state.change(shadow=0.2)
     editor.live()
-    editor.deeds._take([photos[1]])
-    editor.live()
+    take(editor, photos[1])
     sizes[photos[0]] = SMALL
     return state
 
@@ -244,26 +252,20 @@ def test_a_photo_of_the_queue_that_was_resized_while_another_was_open_comes_back
 
 def test_the_question_about_a_photo_s_own_work_waits_though_the_photo_was_resized(editor, sizes, session, photos):
     state = opened(editor, session)
-    editor.deeds._take([photos[1]])
-    editor.live()
-    state.change(shadow=0.1)
-    editor.live()
+    change_another(editor, state, photos)
     sizes[photos[0]] = SMALL
-    editor.deeds._take([photos[0]])
-    editor.live()
+    take(editor, photos[0])
     assert [question.key for question in state.asking.questions] == ["session"]
     editor.answer_question("Continue")
     assert (held(state.document().photo), state.edit.shadow) == ((1, HALF, HALF_STROKES, SMALL), 0.5)
 
 
 def test_a_photo_that_is_dropped_again_after_it_was_resized_has_its_faces_where_they_are(editor, sizes, photos):
-    editor.deeds._take([photos[0]])
-    editor.live()
+    take(editor, photos[0])
     editor.state.photo = replace(editor.state.photo.on(editor.state.snapshot.opened.photo), boxes=BOXES)
     editor.live()
     sizes[photos[0]] = SMALL
-    editor.deeds._take([photos[0]])
-    editor.live()
+    take(editor, photos[0])
     assert held(editor.state.document().photo) == (None, HALF, (), SMALL)
     assert len(told(editor)) == 1
 
@@ -275,8 +277,7 @@ def test_a_photo_of_an_older_session_is_known_by_the_size_that_it_had_when_it_wa
     session.write_text(json.dumps(content | {"photo_size": None}))
     state = opened(editor, session)
     sizes[photos[0]] = SMALL
-    editor.deeds._take([photos[0]])
-    editor.live()
+    take(editor, photos[0])
     assert held(state.document().photo) == (1, HALF, HALF_STROKES, SMALL)
 
 
@@ -285,8 +286,7 @@ def test_a_cropped_photo_that_is_dropped_again_keeps_its_session_s_file_until_th
 ):
     state, before = opened(editor, session), session.read_bytes()
     sizes[photos[0]] = CROPPED
-    editor.deeds._take([photos[0]])
-    editor.live()
+    take(editor, photos[0])
     assert held(state.document().photo) == (None, None, (), CROPPED)
     state.asking.questions.clear()
     save(editor)
@@ -297,17 +297,12 @@ def test_a_cropped_photo_that_is_dropped_again_keeps_its_session_s_file_until_th
 @pytest.mark.parametrize("size", [SMALL, CROPPED])
 def test_a_photo_that_was_only_looked_at_has_no_unsaved_work_once_it_was_resized(editor, sizes, session, photos, size):
     state = opened(editor, session)
-    editor.deeds._take([photos[1]])
-    editor.live()
-    state.change(shadow=0.1)
-    editor.live()
-    editor.deeds._take([photos[0]])
-    editor.live()
+    change_another(editor, state, photos)
+    take(editor, photos[0])
     editor.answer_question("Start afresh")
     assert not state.is_unsaved()
     sizes[photos[0]] = size
-    editor.deeds._take([photos[0]])
-    editor.live()
+    take(editor, photos[0])
     assert not state.is_unsaved()
 
 
@@ -315,15 +310,10 @@ def test_work_that_waits_for_an_answer_while_its_photo_is_cropped_is_saved_over_
     editor, sizes, session, photos
 ):
     state, before = opened(editor, session), session.read_bytes()
-    editor.deeds._take([photos[1]])
-    editor.live()
-    state.change(shadow=0.1)
-    editor.live()
-    editor.deeds._take([photos[0]])
-    editor.live()
+    change_another(editor, state, photos)
+    take(editor, photos[0])
     sizes[photos[0]] = CROPPED
-    editor.deeds._take([photos[0]])
-    editor.live()
+    take(editor, photos[0])
     editor.answer_question("Continue")
     assert (held(state.document().photo), state.edit.shadow) == ((None, None, (), CROPPED), 0.5)
     save(editor)

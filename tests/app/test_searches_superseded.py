@@ -45,19 +45,6 @@ def relighter():
     return Searching()
 
 
-@pytest.fixture
-def published():
-    """All snapshots, in their order."""
-    return []
-
-
-@pytest.fixture
-def engine(relighter, published):
-    engine = Engine(lambda: relighter, wake=lambda: published.append(engine.snapshot()))
-    yield engine
-    engine.close()
-
-
 def test_of_a_photo_that_another_follows_while_it_is_searched_nothing_is_ever_shown(engine, relighter, published):
     first, passed, newest = grey_source(0.2), grey_source(0.4), grey_source(0.6)
     answered(engine, Request(first, SPLIT))
