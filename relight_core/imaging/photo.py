@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from relight_core.imaging.black_level import LOOKED_AT, Black, black_level_of
+from relight_core.imaging.black_level import LOOKED_AT, Black, light_over
 from relight_core.imaging.colour import luminance, srgb_decode, srgb_decode_integers, srgb_encode
 from relight_core.imaging.half_floats import LARGEST_HALF, are_finite
 from relight_core.imaging.photo_frame import PLAINLY, inside_frame
@@ -106,13 +106,14 @@ class Photo:
     @cached_property
     def _black(self) -> Black:
         if self.is_cut_out:
-            seen = self.linear[self._few][self.alpha[self._few] > 0.5]
+            image, counted = self.linear[self._few], self.alpha[self._few] > 0.5
         else:
             x0, y0, x1, y1 = self.picture
-            seen = resize_area(self.linear[y0:y1, x0:x1], shrunk_size((y1 - y0, x1 - x0), LOOKED_AT)).reshape(-1, 3)
-        white = _white(seen) if self.bits == 32 else 1.0
+            image = resize_area(self.linear[y0:y1, x0:x1], shrunk_size((y1 - y0, x1 - x0), LOOKED_AT))
+            counted = np.ones(image.shape[:2], bool)
+        white = _white(image[counted]) if self.bits == 32 else 1.0
         # What is no brighter than 1 may be a dim picture, and is told from that.
-        return Black(black_level_of(seen, white) if white > 0 else np.zeros(3, np.float32), max(white, 1.0))
+        return Black(light_over(image, counted, white) if white > 0 else np.zeros(3, np.float32), max(white, 1.0))
 
     @cached_property
     def _above_black(self) -> Photo:

@@ -21,7 +21,7 @@ def small_and_seeing_faces(monkeypatch):
     }
     monkeypatch.setattr(quality, "TIERS", tiers)
     # Of few shades and none of them black, these photos would pass for faded ones.
-    monkeypatch.setattr(photo, "black_level_of", lambda *seen: np.zeros(3, np.float32))
+    monkeypatch.setattr(photo, "light_over", lambda *seen: np.zeros(3, np.float32))
     monkeypatch.setattr(choosing_faces, "find_faces", lambda *seen: [FaceBox(24, 20, 72, 76), FaceBox(4, 4, 20, 20)])
 
 

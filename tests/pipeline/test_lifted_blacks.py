@@ -25,7 +25,7 @@ def lifted_photo():
 
 @pytest.fixture
 def lifted(weights, small_and_seeing_faces, person_on_the_left, monkeypatch):
-    monkeypatch.setattr(photo, "black_level_of", lambda *seen: BLACK)
+    monkeypatch.setattr(photo, "light_over", lambda *seen: BLACK)
     relighter = Relighter(weights)
     relighter.set_portrait(lifted_photo())
     return relighter
