@@ -1,4 +1,4 @@
-"""Masks over mouth and nose: found, in the skin's colour while a face is de-lit, and cloth of their own afterwards."""
+"""Masks over mouth or eyes: found, in the skin's colour while a face is de-lit, and cloth of their own afterwards."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -59,6 +59,16 @@ def face(mask=None, lips=0.0, parsed_as=SKIN, shade=1.0):
     )
 
 
+def masked_eyes(colour, rows=(26, 44), columns=(26, 70), lips=0.95):
+    """The same with a mask about the eyes, which leaves as much of them bare as masks do."""
+    seen = face(lips=lips)
+    down, across = np.mgrid[:SIZE, :SIZE]
+    hole = (((np.abs(across - 47.5) - 12) / 6) ** 2 + ((down - 34.5) / 4) ** 2) < 1
+    inside = (rows[0] <= down) & (down < rows[1]) & (columns[0] <= across) & (across < columns[1])
+    seen.photo[0][:, torch.from_numpy(inside & ~hole)] = torch.tensor(colour, dtype=torch.float32)[:, None]
+    return seen
+
+
 def view_of(surface):
     return np.ascontiguousarray(surface.photo[0].movedim(0, -1).numpy())
 
@@ -109,6 +119,52 @@ def test_without_both_eyes_or_a_forehead_nothing_is_known():
 def test_a_face_as_dark_as_can_be_has_none():
     black = face(MASKS["red"])
     assert find_face_covering(replace(black, photo=torch.zeros_like(black.photo))) is None
+
+
+@pytest.mark.parametrize("colour", ["blue", "red", "green", "white"])
+def test_a_mask_about_the_eyes_is_found_but_for_the_eyes(colour):
+    share = find_face_covering(masked_eyes(MASKS[colour])).share[0, 0]
+    assert share[28:42, 46:50].min() == share[28:42, 28].min() == share[28:42, 67].min() == 1
+    assert share[34:36, 34:38].max() == share[34:36, 58:62].max() == 0
+    assert share[:25].max() == share[46:].max() == share[:, :25].max() == share[:, 72:].max() == 0
+
+
+def test_taken_off_it_has_the_colour_of_skin_and_put_on_its_own():
+    seen = masked_eyes(MASKS["blue"])
+    covering = find_face_covering(seen)
+    bridge, cheek = np.s_[29:41, 46:50], np.s_[60:70, 40:56]
+    plain = covering.taken_off(view_of(seen))
+    np.testing.assert_allclose(plain[bridge].mean((0, 1)), TONE, rtol=0.05)
+    np.testing.assert_array_equal(plain[cheek], view_of(seen)[cheek])
+    worn = covering.put_on(seen, view_of(seen))
+    torch.testing.assert_close(worn.albedo[0][:, *bridge].mean((1, 2)), torch.tensor(MASKS["blue"]), rtol=0.05, atol=0)
+    assert worn.parsing[0, CLOTH][bridge].min() == 1
+    assert worn.parsing[0, RIGHT_EYE][34:36, 34:38].min() == 1
+
+
+@pytest.mark.parametrize(
+    "elsewhere",
+    [
+        {"rows": (0, 44)},
+        {"rows": (26, 90)},
+        {"columns": (26, 44)},
+        {"columns": (52, 70)},
+        {"lips": 0.0},
+    ],
+    ids=["a brim's shadow", "all of the face", "one side", "the other side", "no mouth to tell it by"],
+)
+def test_where_it_is_not_about_the_eyes_alone_a_colour_is_paint_or_light(elsewhere):
+    assert find_face_covering(masked_eyes(MASKS["blue"], **elsewhere)) is None
+
+
+def test_tinted_glasses_leave_the_bridge_of_the_nose_bare():
+    seen = masked_eyes(MASKS["blue"])
+    seen.photo[..., 42:54] = face().photo[..., 42:54]
+    assert find_face_covering(seen) is None
+
+
+def test_dark_skin_about_the_eyes_is_no_covering():
+    assert find_face_covering(masked_eyes(0.3 * np.float32(TONE))) is None
 
 
 def test_hair_beside_it_and_the_wall_behind_do_not_belong_to_it():
