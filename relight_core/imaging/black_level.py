@@ -32,6 +32,8 @@ _FLAT, _DEEP = 5.0, 8.0
 _BRIGHTEST_PERCENT = 99.8
 _UNCLIPPED, _CLIPPED = 0.7, 0.9
 """Shares of white that the brightest of a flat photo may have: of an overexposed one the half may be gone."""
+_NOTHING, _THICK = 0.8, 0.6
+"""Shares of white: a haze that leaves nothing of a photo, and the thickest under which a face is still seen."""
 _SMOOTH_PX = 2.0
 """Noise and compression make single pixels darker than the haze."""
 _SPREAD, _HAZY = 1.4, 1.25
@@ -113,7 +115,8 @@ def haze_of(image: np.ndarray, counted: np.ndarray, white: float = 1.0) -> np.nd
         return np.zeros(3, np.float32)
     darkest, dark = _darkest(cv2.GaussianBlur(image, (0, 0), _SMOOTH_PX)[counted])
     found = _added(darkest, dark)
-    hazy = ramp(_ratio(dark, darkest), _SPREAD, _HAZY) * ramp(float(found.max()), _NEXT_TO_NONE * white, _SOME * white)
+    most = float(found.max()) / white
+    hazy = ramp(_ratio(dark, darkest), _SPREAD, _HAZY) * ramp(most, _NEXT_TO_NONE, _SOME) * ramp(most, _NOTHING, _THICK)
     if hazy > 0:
         hazy *= _sharpness(image) * ramp(_ratio(found, _darkest(image[counted])[1]), _GRAINY, _CLEAN)
     return (hazy * found).astype(np.float32)
@@ -141,7 +144,8 @@ def _sharpness(image: np.ndarray) -> float:
     grey = luminance(image)
     fine = np.abs(grey - cv2.GaussianBlur(grey, (0, 0), max(_FINE * max(grey.shape), 0.5)))
     contrast, brightest = (float(np.percentile(of, _FINE_PERCENT)) for of in (fine, grey - grey.min()))
-    return ramp(contrast / max(brightest, 1e-12), _BLURRED, _SHARP)
+    # What a photo of one colour has of either is rounding.
+    return ramp(contrast / max(brightest, 1e-3 * float(grey.max()), 1e-12), _BLURRED, _SHARP)
 
 
 def _flatness(pixels: np.ndarray, darkest: float, white: float) -> float:

@@ -65,6 +65,18 @@ def test_mere_noise_is_as_bright_everywhere_and_not_hazy():
     assert not haze_of(noise, EVERYWHERE).any()
 
 
+@pytest.mark.parametrize("level", [1e-6, 0.3, 1.0])
+def test_one_colour_is_no_haze(level):
+    assert not haze_of(np.full((240, 240, 3), level, np.float32), EVERYWHERE).any()
+    photo = Photo(np.full((240, 240, 3), level, np.float32))
+    assert np.isfinite(photo.above_black.linear).all()
+
+
+def test_what_is_all_but_white_has_none_that_leaves_nothing_of_it():
+    assert haze_of(hazy(np.float32([0.5, 0.5, 0.5])), EVERYWHERE).min() > 0.45
+    assert not haze_of(hazy(np.float32([0.9, 0.9, 0.9])), EVERYWHERE).any()
+
+
 @pytest.mark.parametrize("unit", [1e-3, 64.0])
 def test_it_is_a_share_of_the_photos_own_white(unit):
     np.testing.assert_allclose(
