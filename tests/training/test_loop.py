@@ -352,7 +352,7 @@ def test_the_foreign_shadow_network_learns_and_the_others_stay(tmp_path):
     run(
         recorded(STAGES["foreign-shadow"], totals),
         itertools.repeat(batch),
-        budget(40),
+        budget(80),
         tmp_path / "w.safetensors",
         bundle,
     )
