@@ -111,11 +111,12 @@ def _over_the_mouth(surface: Surface, place: _Place) -> FaceCovering | None:
     bare = _plain_skin(surface) & (place.below < _FOREHEAD)
     if int(bare.sum()) < FEWEST_PIXELS:
         return None
-    off = ramp(_off_colour(_seen_of_person(surface), bare), *_OFF)
+    seen = _seen_of_person(surface)
+    off = ramp(_off_colour(seen, bare), *_OFF)
     mouth = place.across**2 + (place.below - _MOUTH) ** 2 < _AROUND_MOUTH**2
-    if not _off_at_most_of(off, mouth, _MOST):
+    if not _off_over(off, mouth, _MOST):
         return None
-    return _covering(surface, off * place.within(*_REACHES), _BESIDE, mouth, bare)
+    return _covering(surface, seen, off * place.within(*_REACHES), _BESIDE, mouth, bare)
 
 
 def _about_the_eyes(surface: Surface, place: _Place) -> FaceCovering | None:
@@ -123,26 +124,33 @@ def _about_the_eyes(surface: Surface, place: _Place) -> FaceCovering | None:
     bare = _plain_skin(surface) & place.within(*_CHEEKS)
     if int(bare.sum()) < FEWEST_PIXELS:
         return None
-    off = ramp(_off_colour(_seen_of_person(surface), bare), *_OFF)
+    seen = _seen_of_person(surface)
+    off = ramp(_off_colour(seen, bare), *_OFF)
     aside, wide, high = _EYE
     eye = ((place.across.abs() - aside) / wide) ** 2 + (place.below / high) ** 2 < 1
     hidden = likely(share_of(surface.parsing, ("hair", "hat", "background")))[0, 0] > 0.5
     band = place.within(*_BAND) & ~eye & ~hidden
     parts = band & (place.across < -_BRIDGE), band & (place.across > _BRIDGE), band & (place.across.abs() < _BRIDGE)
-    if not all(_off_at_most_of(off, part, _MOST_OF_BAND) for part in parts):
+    if not all(_off_over(off, part, _MOST_OF_BAND) for part in parts):
         return None
     forehead = _plain_skin(surface) & (place.below < _BROW)
-    if _off_at_most_of(off, forehead, _MOST_OF_BROW) or _off_at_most_of(off, bare, _FEW):
+    if _off_over(off, forehead, _MOST_OF_BROW) or _off_over(off, bare, _FEW):
         return None
-    return _covering(surface, off * place.within(*_REACHES_ABOUT_EYES), _BESIDE_EYES, band, bare)
+    return _covering(surface, seen, off * place.within(*_REACHES_ABOUT_EYES), _BESIDE_EYES, band, bare)
 
 
 def _covering(
-    surface: Surface, off: torch.Tensor, beside: tuple[str, ...], at: torch.Tensor, bare: torch.Tensor
+    surface: Surface,
+    seen: torch.Tensor,
+    off: torch.Tensor,
+    beside: tuple[str, ...],
+    at: torch.Tensor,
+    bare: torch.Tensor,
 ) -> FaceCovering | None:
     """What is off (S, S) the colour of bare skin, connected to a place (S, S), bool; None if that is next to nothing.
 
     Args:
+        seen: log colours (1, 3, S, S) of the person.
         beside: classes that don't belong to it.
     """
     allowed = (surface.person * (1 - likely(share_of(surface.parsing, beside))))[0, 0]
@@ -151,7 +159,6 @@ def _covering(
     sure = share > SURELY
     if int(sure.sum()) < FEWEST_PIXELS:
         return None
-    seen = _seen_of_person(surface)
     contrast = middle_values(seen, sure) - middle_values(seen, bare)
     return FaceCovering(share[None, None], contrast.flatten())
 
@@ -160,7 +167,7 @@ def _plain_skin(surface: Surface) -> torch.Tensor:
     return surface.parsing[0, INDEX["skin"]] > SURELY
 
 
-def _off_at_most_of(off: torch.Tensor, part: torch.Tensor, share: float) -> bool:
+def _off_over(off: torch.Tensor, part: torch.Tensor, share: float) -> bool:
     """Whether at least a share of a part (S, S), bool, has another colour; never of one that isn't there."""
     return bool(part.any()) and float((off > 0)[part].float().mean()) >= share
 
