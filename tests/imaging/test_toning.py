@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from relight_core.imaging.photo import Photo
-from relight_core.imaging.toning import is_grey
+from relight_core.imaging.toning import is_grey, is_mostly_grey
 
 SEPIA = (1.1, 1.0, 0.7)
 SKIN = (200, 150, 125)
@@ -128,6 +128,31 @@ def test_grey_is_what_has_neither_colours_nor_a_tone_but_for_noise_and_a_stray_m
         marked = grey.copy()
         marked[40 : 40 + side_px, 40 : 40 + side_px] = (0.8, 0.1, 0.1)
         assert is_grey(marked) == is_stray
+
+
+class TestMostlyGrey:
+    def photo(self):
+        return np.repeat(np.random.default_rng(0).uniform(0.2, 0.8, (128, 128, 1)), 3, -1)
+
+    @pytest.mark.parametrize(("coloured_rows", "remains_grey"), [(0, True), (40, True), (70, False), (128, False)])
+    def test_other_colours_may_cover_a_part(self, coloured_rows, remains_grey):
+        splashed = self.photo()
+        splashed[:coloured_rows, :, 1] *= 0.5
+        assert is_mostly_grey(splashed) == remains_grey
+
+    def test_a_pale_colour_all_over_is_one(self):
+        assert not is_mostly_grey(self.photo() + (0.01, 0, 0))
+
+    def test_black_and_white_have_no_say(self):
+        plain = self.photo()
+        plain[:60], plain[60:90] = 0, 1
+        assert is_mostly_grey(plain)
+        plain[90:, :, 1] *= 0.5
+        assert not is_mostly_grey(plain)
+
+    @pytest.mark.parametrize("code", [0.0, 0.05, 1.0])
+    def test_black_or_white_alone_is_not_grey(self, code):
+        assert not is_mostly_grey(np.full((64, 64, 3), code))
 
 
 def test_what_a_cut_out_hides_has_no_say_in_its_tone():

@@ -194,6 +194,23 @@ class TestRelighting:
         assert not Photo(coloured).monochrome
         assert frame(Photo(coloured), face).monochrome
 
+    @pytest.mark.parametrize("part", [(slice(48, 54), slice(68, 82)), (slice(0, 18), slice(None))])
+    def test_lips_or_a_hat_left_coloured_keep_their_colour_and_give_none_to_a_grey_face(self, weights, part):
+        linear = black_and_white().linear
+        linear[part] = luminance(linear[part])[..., None] * np.float32([2.5, 0.6, 0.5])
+        coloured = np.zeros(linear.shape[:2], bool)
+        coloured[part] = True
+        relighter = Relighter(weights)
+        relighter.set_portrait(Photo(linear), boxes=[FaceBox(60, 20, 90, 55)])
+        relit = relighter.relight(some_light(), EDIT).image
+        assert not Photo(linear).monochrome
+        # Near the border, resampling mixes both sides; farther off it carries a trace, less than a code.
+        grey = ~cv2.dilate(coloured.astype(np.uint8), np.ones((9, 9), np.uint8)).astype(bool)
+        assert (np.ptp(relit[grey], axis=-1) < 1e-3 * relit[grey].mean(-1)).all()
+        kept = relit[coloured]
+        assert kept[:, 1].min() > 0.01
+        np.testing.assert_allclose(kept[:, 0] / kept[:, 1], 2.5 / 0.6, rtol=0.15)
+
     def test_a_light_keeps_its_colours_before_a_face_of_colours_beside_a_grey_one(self, weights):
         photo = np.random.default_rng(0).uniform(0.2, 0.8, (96, 240, 3)).astype(np.float32)
         photo[:, 120:] = photo[:, 120:].mean(-1, keepdims=True)

@@ -14,7 +14,7 @@ from relight_core.face.find import FaceBox
 from relight_core.face.lean import remaining_roll
 from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.photo import Photo
-from relight_core.imaging.toning import is_grey
+from relight_core.imaging.toning import is_grey, is_mostly_grey
 from relight_core.pipeline.per_photo.exposing import exposure_of_face
 from relight_core.pipeline.per_photo.network_view import in_photo, in_picture, picture_size, picture_view
 
@@ -36,6 +36,9 @@ _LOOKS = 3
 
 _LOOKED_AT_PX = 128
 """Side of the copy in which it is decided whether a face is grey."""
+
+_MIDDLE = 0.75
+"""Side of the middle of a face, in sides of its box."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,14 +65,24 @@ class Portrait:
     def monochrome(self) -> bool:
         """Whether the face has no colour and gets none: in a black-and-white or toned photo, or if the face is grey.
 
-        A grey face may be in a photo with colours elsewhere, such as a stamped date, a watermark or a coloured page.
+        A grey face may be in a photo with colours elsewhere, such as a stamped date, a watermark or a coloured page,
+        and have some itself: lips or eyes that kept theirs when the colours of all else were removed.
         """
         return self.photo.monochrome or self._is_grey()
 
     def _is_grey(self) -> bool:
-        """Whether the crop of the face has no colour."""
-        seen = picture_view(self.photo, self.crop, _LOOKED_AT_PX) * np.float32(self.exposure)
-        return is_grey(srgb_encode(np.clip(seen, 0, 1)))
+        """Whether the crop of the face has no colour, or most of the middle of the face."""
+        return is_grey(self._codes(self.crop)) or is_mostly_grey(self._codes(_middle_of(self.face)))
+
+    def _codes(self, crop: Crop) -> np.ndarray:
+        seen = picture_view(self.photo, crop, _LOOKED_AT_PX) * np.float32(self.exposure)
+        return srgb_encode(np.clip(seen, 0, 1))
+
+
+def _middle_of(face: FaceBox) -> Crop:
+    """A square within a face: eyes, nose, cheeks and mouth, but hardly hair, a hat or a collar."""
+    middle = (face.x0 + face.x1) / 2, (face.y0 + face.y1) / 2
+    return Crop(*middle, _MIDDLE * max(face.width, face.height), face.roll_deg)
 
 
 def located(photo: Photo, view: Crop, parsed: Callable[[Crop], np.ndarray]) -> FaceBox | None:
