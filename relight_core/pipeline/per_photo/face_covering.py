@@ -24,7 +24,7 @@ from relight_core.imaging.tensor_logs import exact_logs
 from relight_core.imaging.tensor_means import middle_values
 from relight_core.pipeline.stages import Surface, reparsed
 
-_FEWEST_EYE_PIXELS = 4
+FEWEST_EYE_PIXELS = 4
 """Pixels of each eye that are needed to know its place."""
 _FOREHEAD, _MOUTH, _AROUND_MOUTH = 0.15, 1.15, 0.3
 """Distances below the middle of the eyes, in distances between the eyes: plain skin is above the first, a mouth's
@@ -154,7 +154,7 @@ def _covering(
         beside: classes that don't belong to it.
     """
     allowed = (surface.person * (1 - likely(share_of(surface.parsing, beside))))[0, 0]
-    share = torch.from_numpy(_about((off * allowed).cpu().numpy(), at.cpu().numpy())).to(off)
+    share = torch.from_numpy(connected_to((off * allowed).cpu().numpy(), at.cpu().numpy())).to(off)
     share = share * (1 - likely(share_of(surface.parsing, EYES)))[0, 0]
     sure = share > SURELY
     if int(sure.sum()) < FEWEST_PIXELS:
@@ -214,7 +214,7 @@ def _below_the_eyes(parsing: torch.Tensor) -> _Place | None:
     places = []
     for name in EYES:
         eye = parsing[0, INDEX[name]]
-        if float(eye.sum()) < _FEWEST_EYE_PIXELS:
+        if float(eye.sum()) < FEWEST_EYE_PIXELS:
             return None
         places.append(torch.stack([(eye * columns).sum(), (eye * rows).sum()]) / eye.sum())
     left, right = places
@@ -226,7 +226,7 @@ def _below_the_eyes(parsing: torch.Tensor) -> _Place | None:
     return _Place((x * along[0] + y * along[1]) / apart_px, (y * along[0] - x * along[1]) / apart_px, apart_px)
 
 
-def _about(share: np.ndarray, place: np.ndarray) -> np.ndarray:
+def connected_to(share: np.ndarray, place: np.ndarray) -> np.ndarray:
     """The part of a share (S, S) that is connected to a place (S, S), bool, without gaps, (S, S)."""
     window = np.ones((2 * _REACH_PX + 1,) * 2, np.uint8)
     share = cv2.morphologyEx(cv2.morphologyEx(share, cv2.MORPH_CLOSE, window), cv2.MORPH_OPEN, window)

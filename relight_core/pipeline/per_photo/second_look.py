@@ -25,6 +25,7 @@ from relight_core.pipeline.per_photo.cropped_hair import with_cropped_hair
 from relight_core.pipeline.per_photo.face_covering import find_face_covering
 from relight_core.pipeline.per_photo.foreign_shadow import find_foreign_shadow, without_shadow
 from relight_core.pipeline.per_photo.hair_on_scalp import with_hair_on_scalp
+from relight_core.pipeline.per_photo.held_before_face import find_held_before_face
 from relight_core.pipeline.per_photo.white_hair import with_white_hair
 from relight_core.pipeline.quality import Tier
 
@@ -44,12 +45,12 @@ def take_apart(bundle: NetworkBundle, photo_view: np.ndarray, tier: Tier, device
     """De-light a view (S, S, 3), linear, at a tier of quality.
 
     As the tier says, shadows from outside are removed first, and skin gets a second look. Hair that the parsing takes
-    for scalp is corrected before that. A mask over the mouth has the colour of skin in the meantime.
+    for scalp is corrected before that. A mask, or what is held before the face, has the colour of skin in the meantime.
     """
     whole = resize_area(photo_view, (tier.delight_size, tier.delight_size))
     how = {"mirrored": tier.mirrored, "precision": tier.precision}
     found = stages.delight(bundle, whole, tier.network_size, device, **how)
-    covering, shadow, seen = find_face_covering(found), None, whole
+    covering, shadow, seen = find_face_covering(found) or find_held_before_face(found), None, whole
     if covering is not None:
         seen = covering.taken_off(whole)
         found = stages.delight(bundle, seen, tier.network_size, device, **how)
