@@ -97,5 +97,6 @@ def _joined(alike: np.ndarray, hole: np.ndarray, face: np.ndarray) -> np.ndarray
     What reaches farther beyond the face's outline than within it is more than the thing, such as a wall of its colour.
     """
     thing = connected_to((alike | hole).astype(np.float32), hole) > 0
-    thing = thing if (thing & ~face).sum() < (thing & face).sum() else thing & face
+    if (thing & ~face).sum() >= (thing & face).sum():
+        thing = connected_to((thing & face).astype(np.float32), hole) > 0
     return thing if thing.any() else None
