@@ -21,10 +21,10 @@ from relight_core.pipeline.per_photo.face_covering import FEWEST_EYE_PIXELS, Fac
 from relight_core.pipeline.stages import Surface
 
 _FACE = ("skin", "nose", *EYES, *BROWS, *MOUTH)
-_RIM, _LEAST = 0.12, 0.01
+_RIM, _LEAST = 0.07, 0.01
 """Background counts from so far within the face's outline on, and from so large an area on, in the square root of the
-face's area and in that. Beside the nose of a profile there is a wall, but not as deep. In seventeen photos, and in
-those under five lights, there is none."""
+face's area and in that. Of the wall beside the nose of a profile, less lies as deep. There is none in seventeen photos,
+nor in those under a hard light and coloured ones."""
 _OTHER_COLOUR, _OTHER_BRIGHTNESS = 0.35, 1.2
 """In logs: at least one of the two sets a thing apart from the skin, its ratios to green or its brightness."""
 _ALIKE, _LEAST_RATIOS, _LEAST_BRIGHTNESS, _COLOURED, _BRIGHTNESS_OF_COLOURED = 0.5, 0.15, 0.6, 0.5, 1.0
