@@ -7,7 +7,7 @@ import numpy as np
 
 from relight_core.face.parsing import EYES, FACE_LABELS, INDEX, middle_row
 from relight_core.face.posterior import posterior
-from relight_core.imaging.masks import disc
+from relight_core.imaging.masks import disc, part_at
 from relight_core.imaging.ramp import ramp
 
 _CLOSING_SHARE = 1 / 24
@@ -34,14 +34,10 @@ def solid_person(parsing: np.ndarray) -> np.ndarray:
     """
     person = np.clip(1 - parsing[INDEX["background"]], 0, 1).astype(np.float32)
     face = parsing[list(FACE_LABELS)].sum(0) > 0.5
-    solid = (person > 0.5).astype(np.uint8)
-    _, parts = cv2.connectedComponents(solid)
-    counts = np.bincount(parts[face & (solid > 0)], minlength=2)
-    counts[0] = 0
-    if counts.max() == 0:
+    body = part_at(person > 0.5, face)
+    if body is None:
         return person
-    body = (parts == counts.argmax()).astype(np.uint8)
-    filled = _without_holes(body)
+    filled = _without_holes(body.astype(np.uint8))
     edge = np.maximum(person, cv2.GaussianBlur(filled.astype(np.float32), (0, 0), 0.8) * filled)
     near = cv2.dilate(filled, np.ones((5, 5), np.uint8))
     return (edge * near).astype(np.float32)

@@ -24,6 +24,19 @@ def largest_part(mask: np.ndarray, fewest_px: float = 1) -> np.ndarray | None:
     return (parts == largest).astype(np.uint8) if stats[largest, cv2.CC_STAT_AREA] >= fewest_px else None
 
 
+def part_at(mask: np.ndarray, place: np.ndarray) -> np.ndarray | None:
+    """(h, w) bool, the part of a mask that hangs together, corners included, and that most of a place lies in.
+
+    None where they have no pixel in common.
+
+    Args:
+        mask, place: (h, w), bool.
+    """
+    _, parts = cv2.connectedComponents(mask.astype(np.uint8))
+    counts = np.bincount(parts[place & mask], minlength=1)
+    return parts == counts.argmax() if counts.any() else None
+
+
 def distance_to(where: np.ndarray) -> np.ndarray:
     """(h, w) float32: pixels to the nearest place that is true; far where there is none."""
     distance = cv2.distanceTransform((~where).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)

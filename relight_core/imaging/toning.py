@@ -64,8 +64,7 @@ def is_grey(codes: np.ndarray) -> bool:
     Args:
         codes: (H, W, 3) sRGB.
     """
-    means = cv2.blur(np.ascontiguousarray(_beside_green(codes)), (_COARSE_BLOCK_PX, _COARSE_BLOCK_PX))
-    return bool((np.abs(means).max(-1) > _COLOURLESS).mean() <= _STRAY_SHARE)
+    return bool((_off_grey(codes) > _COLOURLESS).mean() <= _STRAY_SHARE)
 
 
 def is_mostly_grey(codes: np.ndarray) -> bool:
@@ -76,11 +75,16 @@ def is_mostly_grey(codes: np.ndarray) -> bool:
     Args:
         codes: (H, W, 3) sRGB.
     """
-    means = cv2.blur(np.ascontiguousarray(_beside_green(codes)), (_COARSE_BLOCK_PX, _COARSE_BLOCK_PX))
     brightness = codes.mean(-1)
     telling = (brightness > _NEAR_BLACK) & (brightness < _NEAR_WHITE)
-    grey = telling & (np.abs(means).max(-1) <= _EXACTLY_GREY)
+    grey = telling & (_off_grey(codes) <= _EXACTLY_GREY)
     return bool(telling.mean() > _LEAST_TELLING and grey.sum() >= _MOST * telling.sum())
+
+
+def _off_grey(codes: np.ndarray) -> np.ndarray:
+    """How far red or blue is from green, (H, W), on average over a block: noise and compression cancel out there."""
+    means = cv2.blur(np.ascontiguousarray(_beside_green(codes)), (_COARSE_BLOCK_PX, _COARSE_BLOCK_PX))
+    return np.abs(means).max(-1)
 
 
 def _beside_green(codes: np.ndarray) -> np.ndarray:

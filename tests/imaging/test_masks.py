@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from relight_core.imaging.masks import bounds, disc, distance_to, largest_part
+from relight_core.imaging.masks import bounds, disc, distance_to, largest_part, part_at
 
 
 @pytest.mark.parametrize("kind", [bool, np.float32])
@@ -29,6 +29,19 @@ def test_the_largest_part_hangs_together_over_corners_too():
     assert largest_part(mask, 3).sum() == 3
     assert largest_part(mask, 4) is None
     assert largest_part(np.zeros_like(mask)) is None
+
+
+def test_the_part_at_a_place_is_the_one_that_most_of_it_lies_in():
+    mask = np.zeros((6, 9), bool)
+    mask[0, 0] = mask[1, 1] = True
+    mask[4:6, 3:9] = True
+    place = np.zeros_like(mask)
+    place[:2, :2] = place[4, 3] = place[:4, 5:] = True
+    assert np.argwhere(part_at(mask, place)).tolist() == [[0, 0], [1, 1]]
+    place[5, 3:5] = True
+    assert part_at(mask, place).sum() == 12
+    assert part_at(mask, ~mask) is None
+    assert part_at(np.zeros_like(mask), ~mask) is None
 
 
 def test_a_disc_has_a_middle_and_reaches_its_radius():

@@ -1,8 +1,14 @@
 """A face before a wall, as de-lighting sees it: of one colour, but for what is worn or held before it."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import torch
 
+from relight_core.pipeline import stages
+from relight_core.pipeline.per_photo.second_look import take_apart
+from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.stages import Surface
 
 SIZE = 96
@@ -49,6 +55,19 @@ def face(mask=None, lips=0.0, parsed_as=SKIN, shade=1.0):
         person=as_tensor(person[None]),
         source_light=torch.ones(1, 16, 32, 3),
     )
+
+
+def take_apart_seeing(monkeypatch, surface, looks_twice=False):
+    """What is found in the surface's own view, the network finding that surface in any; and the views it was given."""
+    views = []
+
+    def delight(bundle, view, size, device, **how):
+        views.append(view)
+        return replace(surface, photo=torch.from_numpy(view).movedim(-1, 0)[None])
+
+    monkeypatch.setattr(stages, "delight", delight)
+    tier = Tier(SIZE, SIZE, SIZE, 16, False, precision="fp32", looks_twice=looks_twice)
+    return take_apart(SimpleNamespace(foreign_shadow=None), view_of(surface), tier, "cpu"), views
 
 
 def view_of(surface):

@@ -1,17 +1,28 @@
 """Masks over mouth or eyes: found, in the skin's colour while a face is de-lit, and cloth of their own afterwards."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import torch
-from plain_face import CLOTH, FOREHEAD, HAIR, LEFT_EYE, MASK, MASKS, MOUTH, RIGHT_EYE, SIZE, SKIN, TONE, face, view_of
+from plain_face import (
+    CLOTH,
+    FOREHEAD,
+    HAIR,
+    LEFT_EYE,
+    MASK,
+    MASKS,
+    MOUTH,
+    RIGHT_EYE,
+    SIZE,
+    SKIN,
+    TONE,
+    face,
+    take_apart_seeing,
+    view_of,
+)
 
-from relight_core.pipeline import stages
 from relight_core.pipeline.per_photo.face_covering import find_face_covering
-from relight_core.pipeline.per_photo.second_look import take_apart
-from relight_core.pipeline.quality import Tier
 
 
 def masked_eyes(colour, rows=(26, 44), columns=(26, 70), lips=0.95):
@@ -157,16 +168,9 @@ def test_put_on_it_is_cloth_of_its_own_colour():
 
 @pytest.mark.parametrize("again", [False, True])
 def test_a_masked_face_is_de_lit_in_the_colour_of_skin(monkeypatch, again):
-    masked, views = face(MASKS["green"]), []
-
-    def delight(bundle, view, size, device, **how):
-        views.append(view)
-        return replace(masked, photo=torch.from_numpy(view).movedim(-1, 0)[None])
-
-    monkeypatch.setattr(stages, "delight", delight)
+    masked = face(MASKS["green"])
     view = view_of(masked)
-    tier = Tier(SIZE, SIZE, SIZE, 16, False, precision="fp32", looks_twice=again)
-    found = take_apart(SimpleNamespace(foreign_shadow=None), view, tier, "cpu")
+    found, views = take_apart_seeing(monkeypatch, masked, looks_twice=again)
     np.testing.assert_allclose(views[0], view, atol=1e-6)
     for later in views[1:]:
         ratio = later[MOUTH].mean((0, 1)) / later[FOREHEAD].mean((0, 1))

@@ -1,17 +1,24 @@
 """Phones, cards and stickers before a face: found by background within it, and whole though half of them is skin."""
 
-from dataclasses import replace
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 import torch
-from plain_face import CLOTH, FOREHEAD, HAIR, LEFT_EYE, MASKS, RIGHT_EYE, SIZE, SKIN, TONE, WALL, face, view_of
+from plain_face import (
+    CLOTH,
+    FOREHEAD,
+    HAIR,
+    LEFT_EYE,
+    MASKS,
+    RIGHT_EYE,
+    SKIN,
+    TONE,
+    WALL,
+    face,
+    take_apart_seeing,
+    view_of,
+)
 
-from relight_core.pipeline import stages
 from relight_core.pipeline.per_photo.held_before_face import find_held_before_face
-from relight_core.pipeline.per_photo.second_look import take_apart
-from relight_core.pipeline.quality import Tier
 
 PHONE, CHEEK = np.s_[26:66, 50:72], np.s_[50:80, 24:46]
 BACKGROUND = 0
@@ -103,16 +110,9 @@ def test_what_sticks_out_beyond_the_face_belongs_to_it_but_a_wall_of_its_colour_
 
 
 def test_a_face_is_de_lit_as_if_nothing_were_before_it(monkeypatch):
-    seen, views = held(MASKS["red"]), []
-
-    def delight(bundle, view, size, device, **how):
-        views.append(view)
-        return replace(seen, photo=torch.from_numpy(view).movedim(-1, 0)[None])
-
-    monkeypatch.setattr(stages, "delight", delight)
+    seen = held(MASKS["red"])
     view = view_of(seen)
-    tier = Tier(SIZE, SIZE, SIZE, 16, False, precision="fp32", looks_twice=False)
-    found = take_apart(SimpleNamespace(foreign_shadow=None), view, tier, "cpu")
+    found, views = take_apart_seeing(monkeypatch, seen)
     first, again = views
     np.testing.assert_allclose(first, view, atol=1e-6)
     np.testing.assert_allclose(again[inner(PHONE)].mean((0, 1)), TONE, rtol=0.1)

@@ -17,6 +17,7 @@ import torch
 import torch.nn.functional as F
 
 from relight_core.face.parsing import BROWS, EYES, FEWEST_PIXELS, INDEX, MOUTH, SURELY, likely, share_of
+from relight_core.imaging.masks import part_at
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.tensor_images import as_image, as_tensor, resized
@@ -108,7 +109,7 @@ def find_face_covering(surface: Surface) -> FaceCovering | None:
 
 def _over_the_mouth(surface: Surface, place: _Place) -> FaceCovering | None:
     """What hides the lips, by its difference from the colour of the forehead."""
-    bare = _plain_skin(surface) & (place.below < _FOREHEAD)
+    bare = plain_skin(surface) & (place.below < _FOREHEAD)
     if int(bare.sum()) < FEWEST_PIXELS:
         return None
     seen = _seen_of_person(surface)
@@ -121,7 +122,7 @@ def _over_the_mouth(surface: Surface, place: _Place) -> FaceCovering | None:
 
 def _about_the_eyes(surface: Surface, place: _Place) -> FaceCovering | None:
     """What has another colour than the cheeks at both temples and between them, but not at the forehead."""
-    bare = _plain_skin(surface) & place.within(*_CHEEKS)
+    bare = plain_skin(surface) & place.within(*_CHEEKS)
     if int(bare.sum()) < FEWEST_PIXELS:
         return None
     seen = _seen_of_person(surface)
@@ -133,7 +134,7 @@ def _about_the_eyes(surface: Surface, place: _Place) -> FaceCovering | None:
     parts = band & (place.across < -_BRIDGE), band & (place.across > _BRIDGE), band & (place.across.abs() < _BRIDGE)
     if not all(_off_over(off, part, _MOST_OF_BAND) for part in parts):
         return None
-    forehead = _plain_skin(surface) & (place.below < _BROW)
+    forehead = plain_skin(surface) & (place.below < _BROW)
     if _off_over(off, forehead, _MOST_OF_BROW) or _off_over(off, bare, _FEW):
         return None
     return _covering(surface, seen, off * place.within(*_REACHES_ABOUT_EYES), _BESIDE_EYES, band, bare)
@@ -163,7 +164,8 @@ def _covering(
     return FaceCovering(share[None, None], contrast.flatten())
 
 
-def _plain_skin(surface: Surface) -> torch.Tensor:
+def plain_skin(surface: Surface) -> torch.Tensor:
+    """What is surely bare skin of the face, (S, S) bool."""
     return surface.parsing[0, INDEX["skin"]] > SURELY
 
 
@@ -230,8 +232,5 @@ def connected_to(share: np.ndarray, place: np.ndarray) -> np.ndarray:
     """The part of a share (S, S) that is connected to a place (S, S), bool, without gaps, (S, S)."""
     window = np.ones((2 * _REACH_PX + 1,) * 2, np.uint8)
     share = cv2.morphologyEx(cv2.morphologyEx(share, cv2.MORPH_CLOSE, window), cv2.MORPH_OPEN, window)
-    _, patches = cv2.connectedComponents((share > 0).astype(np.uint8))
-    counts = np.bincount(patches[place & (patches > 0)], minlength=1)
-    if not counts.any():
-        return np.zeros_like(share)
-    return share * (patches == counts.argmax())
+    part = part_at(share > 0, place)
+    return np.zeros_like(share) if part is None else share * part

@@ -13,14 +13,13 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
-from relight_core.face.parsing import BROWS, EYES, FEWEST_PIXELS, INDEX, MOUTH, SURELY, likely, share_of
+from relight_core.face.parsing import EYES, FEWEST_PIXELS, INDEX, MOUTH, PAPER_CLASSES, likely, share_of
 from relight_core.imaging.masks import disc, largest_part
 from relight_core.imaging.tensor_logs import exact_logs
 from relight_core.imaging.tensor_means import middle_values
-from relight_core.pipeline.per_photo.face_covering import FEWEST_EYE_PIXELS, FaceCovering, connected_to
+from relight_core.pipeline.per_photo.face_covering import FEWEST_EYE_PIXELS, FaceCovering, connected_to, plain_skin
 from relight_core.pipeline.stages import Surface
 
-_FACE = ("skin", "nose", *EYES, *BROWS, *MOUTH)
 _RIM, _LEAST = 0.07, 0.01
 """Background counts from so far within the face's outline on, and from so large an area on, in the square root of the
 face's area and in that. Of the wall beside the nose of a profile, less lies as deep. There is none in seventeen photos,
@@ -36,7 +35,7 @@ _NOT_OF_IT = ("hair", *MOUTH)
 @torch.inference_mode()
 def find_held_before_face(surface: Surface) -> FaceCovering | None:
     """The thing before a face; None if there is none, or too little of the face is seen to tell."""
-    face, bare = _outline(surface.parsing), surface.parsing[0, INDEX["skin"]] > SURELY
+    face, bare = _outline(surface.parsing), plain_skin(surface)
     eyes = float(share_of(surface.parsing, EYES).sum())
     if face is None or eyes < FEWEST_EYE_PIXELS or int(bare.sum()) < FEWEST_PIXELS:
         return None
@@ -75,7 +74,7 @@ def _alike(seen: torch.Tensor, at: torch.Tensor, contrast: torch.Tensor) -> torc
 
 def _outline(parsing: torch.Tensor) -> np.ndarray | None:
     """The convex hull (S, S), bool, of the largest patch that is face; None if there is none."""
-    patch = largest_part((share_of(parsing, _FACE)[0, 0] > 0.5).cpu().numpy())
+    patch = largest_part((share_of(parsing, PAPER_CLASSES)[0, 0] > 0.5).cpu().numpy())
     if patch is None:
         return None
     corners = cv2.convexHull(cv2.findNonZero(patch))
