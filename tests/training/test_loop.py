@@ -24,7 +24,7 @@ from relight_core.networks.bundle import (
 from relight_core.networks.foreign_shadow import ForeignShadowConfig, ForeignShadowNetwork
 from relight_core.training import loop, sheet
 from relight_core.training.curves import draw_curves
-from relight_core.training.loop import AveragedWeights, Budget, TrainingDiverged, train_stage
+from relight_core.training.loop import Budget, TrainingDiverged, train_stage
 from relight_core.training.stages import STAGES
 
 pytestmark = pytest.mark.usefixtures("seeded")
@@ -276,7 +276,7 @@ def test_rate_rises_then_falls_to_its_final_fraction():
     assert plan.rate(100, 0.0) == pytest.approx(1.0)
     assert plan.rate(100, 0.5) == pytest.approx(0.51)
     assert plan.rate(100, 1.0) == pytest.approx(0.02)
-    assert plan.rate(100, 7.0) == pytest.approx(0.02)
+    assert plan.rate(100, 1.5) == pytest.approx(0.02)
 
 
 def test_log_and_curves(tmp_path):
@@ -360,15 +360,3 @@ def test_the_foreign_shadow_network_learns_and_the_others_stay(tmp_path):
     for name, value in bundle.state_dict().items():
         assert name.startswith("foreign_shadow.") or torch.equal(value.cpu(), before[name])
     assert (tmp_path / "w.samples.png").exists()
-
-
-@pytest.mark.parametrize(("steps", "least", "most"), [(50, 40, 49), (300, 250, 290), (2000, 1400, 1850)])
-def test_averaged_weights_follow_closely_at_first_and_later_over_hundreds_of_steps(steps, least, most):
-    bundle = NetworkBundle(BundleConfig.tiny())
-    average, first = AveragedWeights(bundle), next(bundle.parameters())
-    for step in range(1, steps + 1):
-        with torch.no_grad():
-            first.fill_(float(step))
-        average.update(bundle, step)
-    reached = float(next(average.bundle(bundle).parameters()).detach().flatten()[0])
-    assert least < reached < most
