@@ -3,6 +3,7 @@
 import errno
 import itertools
 import os
+from dataclasses import replace
 
 import pytest
 import safetensors.torch
@@ -11,6 +12,7 @@ from small_runs import quiet, recorded, some_batch
 
 from relight_core.errors import InputError
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle
+from relight_core.training import loop
 from relight_core.training.loop import Budget, TrainingDiverged, state_path, train_stage
 from relight_core.training.optimiser import Optimiser
 from relight_core.training.stages import STAGES
@@ -104,6 +106,33 @@ def test_a_budget_that_ends_amid_non_finite_batches_waits_for_a_good_one(tmp_pat
     assert told == [(1.0, 9, 4)]
     with pytest.raises(TrainingDiverged):
         train(itertools.chain([good] * 4, itertools.repeat(spoiled(good))), tmp_path / "v.safetensors", 6)
+
+
+def test_of_a_budget_of_time_a_run_that_goes_on_has_what_is_left(tmp_path, monkeypatch):
+    seconds, steps = [100.0], []
+    monkeypatch.setattr(loop.time, "monotonic", lambda: seconds[0])
+
+    def ten_seconds(bundle, table, batch):
+        seconds[0] += 10
+        steps.append(seconds[0])
+        return STAGE.losses(bundle, table, batch)
+
+    def of_a_minute(batches):
+        budget = Budget(5e-3, minutes=1, warm_up_steps=1, checkpoint_seconds=0)
+        bundle = NetworkBundle(BundleConfig.tiny())
+        slow = replace(STAGE, losses=ten_seconds)
+        train_stage(slow, bundle, lambda first: batches, budget, tmp_path / "w.safetensors", quiet)
+
+    good = some_batch()
+    with pytest.raises(TrainingDiverged):
+        of_a_minute(itertools.chain([good] * 3, itertools.repeat(spoiled(good))))
+    kept = kept_progress(tmp_path / "w.safetensors")
+    assert (kept.step, kept.seconds) == (2, 20)
+    seconds[0] = 90000.0
+    steps.clear()
+    of_a_minute(itertools.repeat(good))
+    # Four steps, and one look at what came out.
+    assert steps == [90010, 90020, 90030, 90040, 90050]
 
 
 def test_the_last_report_tells_the_end(tmp_path):
