@@ -13,7 +13,7 @@ from small_runs import quiet, recorded, some_batch
 from relight_core.errors import InputError
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle
 from relight_core.training import loop
-from relight_core.training.loop import Budget, TrainingDiverged, state_path, train_stage
+from relight_core.training.loop import Budget, TrainingDiverged, is_begun, state_path, train_stage
 from relight_core.training.optimiser import Optimiser
 from relight_core.training.stages import STAGES
 from relight_core.training.state import Progress, load_state
@@ -28,10 +28,26 @@ def spoiled(batch):
     return batch | {"light": torch.full_like(batch["light"], float("nan"))}
 
 
-def train(batches, path, steps=30, rate=5e-3, report=quiet, stage=STAGE, kind=Budget):
-    budget = kind(rate, steps=steps, warm_up_steps=1, checkpoint_seconds=0)
+def train(
+    batches, path, steps=30, rate=5e-3, report=quiet, stage=STAGE, kind=Budget, minutes=None, checkpoint_seconds=0
+):
+    budget = kind(rate, minutes, steps, warm_up_steps=1, checkpoint_seconds=checkpoint_seconds)
     bundle = NetworkBundle(BundleConfig.tiny())
     return train_stage(stage, bundle, lambda first: batches, budget, path, report)
+
+
+class SlowSteps:
+    """A clock that stands still but for a stage's losses, which take ten seconds."""
+
+    def __init__(self, monkeypatch):
+        self.seconds, self.seen = 100.0, []
+        self.stage = replace(STAGE, losses=self._losses)
+        monkeypatch.setattr(loop.time, "monotonic", lambda: self.seconds)
+
+    def _losses(self, bundle, table, batch):
+        self.seconds += 10
+        self.seen.append(self.seconds)
+        return STAGE.losses(bundle, table, batch)
 
 
 def kept_progress(path):
@@ -109,30 +125,41 @@ def test_a_budget_that_ends_amid_non_finite_batches_waits_for_a_good_one(tmp_pat
 
 
 def test_of_a_budget_of_time_a_run_that_goes_on_has_what_is_left(tmp_path, monkeypatch):
-    seconds, steps = [100.0], []
-    monkeypatch.setattr(loop.time, "monotonic", lambda: seconds[0])
-
-    def ten_seconds(bundle, table, batch):
-        seconds[0] += 10
-        steps.append(seconds[0])
-        return STAGE.losses(bundle, table, batch)
-
-    def of_a_minute(batches):
-        budget = Budget(5e-3, minutes=1, warm_up_steps=1, checkpoint_seconds=0)
-        bundle = NetworkBundle(BundleConfig.tiny())
-        slow = replace(STAGE, losses=ten_seconds)
-        train_stage(slow, bundle, lambda first: batches, budget, tmp_path / "w.safetensors", quiet)
-
-    good = some_batch()
+    clock, path = SlowSteps(monkeypatch), tmp_path / "w.safetensors"
+    good, plan = some_batch(), {"minutes": 1, "stage": clock.stage}
     with pytest.raises(TrainingDiverged):
-        of_a_minute(itertools.chain([good] * 3, itertools.repeat(spoiled(good))))
-    kept = kept_progress(tmp_path / "w.safetensors")
+        train(itertools.chain([good] * 3, itertools.repeat(spoiled(good))), path, None, **plan)
+    kept = kept_progress(path)
     assert (kept.step, kept.seconds) == (2, 20)
-    seconds[0] = 90000.0
-    steps.clear()
-    of_a_minute(itertools.repeat(good))
+    clock.seconds = 90000.0
+    clock.seen.clear()
+    train(itertools.repeat(good), path, None, **plan)
     # Four steps, and one look at what came out.
-    assert steps == [90010, 90020, 90030, 90040, 90050]
+    assert clock.seen == [90010, 90020, 90030, 90040, 90050]
+
+
+def test_a_checkpoint_is_due_when_its_time_has_passed_since_the_last(tmp_path, monkeypatch):
+    clock, written = SlowSteps(monkeypatch), []
+    save = loop.save_bundle
+
+    def noted(*args, **settings):
+        written.append(clock.seconds - 100)
+        save(*args, **settings)
+
+    monkeypatch.setattr(loop, "save_bundle", noted)
+    train(itertools.repeat(some_batch()), tmp_path / "w.safetensors", 11, stage=clock.stage, checkpoint_seconds=25)
+    # Of where the run stood after 30, 60 and 90 seconds, once the next step is known to be sound, and of its end.
+    assert written == [40, 70, 100, 120]
+
+
+def test_a_run_that_was_killed_between_its_first_state_and_weights_is_begun(tmp_path):
+    path = tmp_path / "w.safetensors"
+    assert not is_begun(path)
+    state_path(path).touch()
+    assert is_begun(path)
+    state_path(path).unlink()
+    path.touch()
+    assert is_begun(path)
 
 
 def test_the_last_report_tells_the_end(tmp_path):
