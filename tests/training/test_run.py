@@ -66,6 +66,15 @@ def test_pairs_that_are_used_again_come_in_batches_of_the_size_that_was_asked_fo
     assert some(7, 5) == whole[7:]
 
 
+@pytest.mark.parametrize(("uses", "kinds"), [(1, (torch.float32, torch.int64)), (3, (torch.float16, torch.uint8))])
+def test_pairs_that_are_used_again_are_handed_over_by_half(monkeypatch, uses, kinds):
+    monkeypatch.setattr(run_module, "SampleStream", Pairs)
+    monkeypatch.setattr(run_module, "replayed", lambda batches_from, *_: batches_from(0))
+    run = Run("warm-delight", Path("heads"), Path("lights"), Path("w"), steps=9, pairs=2, workers=0, uses=uses)
+    batch = next(training_batches(run, STAGES["warm-delight"], 0))
+    assert (batch["normal"].dtype, batch["label"].dtype) == kinds
+
+
 def test_taking_batches_draws_nothing_from_the_stream_that_steps_draw_from(monkeypatch):
     monkeypatch.setattr(run_module, "SampleStream", Numbers)
     run = Run("warm-delight", Path("heads"), Path("lights"), Path("w"), steps=9, pairs=2, workers=0)

@@ -8,7 +8,7 @@ import torch
 from relight_core.networks.blocks import ResidualBlock
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, save_bundle
 from relight_core.training import run as run_module
-from relight_core.training.run import Run, drawn_by, train
+from relight_core.training.run import Run, denormals_flushed, drawn_by, train
 
 pytestmark = pytest.mark.usefixtures("seeded")
 
@@ -66,3 +66,17 @@ def test_how_often_pairs_are_used_and_from_how_many_decides_the_batches():
     # Made between the steps, they are those that one worker makes.
     assert drawn_by(Run(**run, **once, workers=0)) == drawn | {"uses": 1}
     assert drawn_by(Run(**run, **once, workers=3)) == drawn | {"workers": 3, "uses": 1}
+
+
+def test_denormals_are_flushed_for_the_time_of_the_training_alone():
+    denormal, flushed = torch.full((8,), 1e-40), []
+
+    @denormals_flushed()
+    def stopped():
+        flushed.append(not (denormal * 1).any())
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        stopped()
+    assert flushed == [True]
+    assert (denormal * 1).all()
