@@ -43,8 +43,7 @@ def test_the_learning_rate_rises_over_a_tenth_of_a_short_run(begun, length, rise
 
 
 def test_blocks_that_are_added_begin_as_their_stage_normalises(begun):
-    levels = len(NetworkBundle(BundleConfig.tiny()).delight.encoder.levels)
-    asked = {"residual": (0,) * levels + (1,), "steps": 9}
+    asked = {"residual": (0, 0, 1), "steps": 9}
     blocks = {}
     for stage in ("warm-delight", "tune-delight-strongly"):
         parts = begun(stage, **asked)[0].delight.modules()
